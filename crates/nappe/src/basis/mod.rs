@@ -1,0 +1,174 @@
+//! One-variable scalar functions: the bases and blending functions that surfaces are made of.
+
+use crate::box3::Box3;
+use crate::breaks::{Break, Limit, UNIT_BREAKS, merge_breaks};
+use crate::curve::CurveRef;
+use crate::exact::PiecewiseRational;
+use crate::interval::Interval;
+use glam::DVec3;
+use smallvec::SmallVec;
+use std::fmt::Debug;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A list of scalar functions `a_0(t) … a_{n-1}(t)` of one variable: one side of a separable surface.
+///
+/// All lists are row-major by derivative: `out[k * active.len() + i]` is the k-th derivative of the i-th active
+/// function.
+pub trait Functions: Debug + Send + Sync {
+    /// The number of functions.
+    fn count(&self) -> usize;
+
+    /// The parameters where analytic pieces meet, with the ends of the domain first and last.
+    fn breaks(&self) -> &[Break];
+
+    /// The functions that may be other than zero in the piece that holds `t`. The default is all.
+    fn active(&self, _t: f64, _limit: Limit) -> Range<usize> {
+        0..self.count()
+    }
+
+    /// Writes derivatives 0 to `order` of the active functions at `t`.
+    fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]);
+
+    /// Writes enclosures of the same for every parameter in `t`, which lies in one piece (found from its middle
+    /// and `limit`).
+    fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]);
+
+    /// The exact piecewise rational form, where there is one.
+    fn to_piecewise(&self) -> Option<PiecewiseRational> {
+        None
+    }
+}
+
+/// A shared list of functions.
+pub type FunctionsRef = Arc<dyn Functions>;
+
+/// The constant function 1 on `[0, 1]`.
+#[derive(Clone, Copy, Debug)]
+pub struct One;
+
+impl Functions for One {
+    fn count(&self) -> usize {
+        1
+    }
+    fn breaks(&self) -> &[Break] {
+        &UNIT_BREAKS
+    }
+    fn jet_into(&self, _t: f64, _limit: Limit, order: usize, out: &mut [f64]) {
+        out[..=order].fill(0.0);
+        out[0] = 1.0;
+    }
+    fn enclose_piece(&self, _t: Interval, _limit: Limit, order: usize, out: &mut [Interval]) {
+        out[..=order].fill(Interval::ZERO);
+        out[0] = Interval::ONE;
+    }
+    fn to_piecewise(&self) -> Option<PiecewiseRational> {
+        Some(PiecewiseRational::polynomial(UNIT_BREAKS.to_vec(), 0, 1, vec![1.0]))
+    }
+}
+
+/// The three coordinates of a curve, measured from an origin: subtracting it keeps enclosures tight far from the
+/// origin of space.
+#[derive(Clone, Debug)]
+pub struct Coordinates {
+    curve: CurveRef,
+    origin: DVec3,
+}
+
+impl Coordinates {
+    /// The coordinates of `curve - origin`.
+    pub fn new(curve: CurveRef, origin: DVec3) -> Self {
+        Self { curve, origin }
+    }
+}
+
+impl Functions for Coordinates {
+    fn count(&self) -> usize {
+        3
+    }
+    fn breaks(&self) -> &[Break] {
+        self.curve.breaks()
+    }
+    fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {
+        let mut d: SmallVec<[DVec3; 4]> = SmallVec::from_elem(DVec3::ZERO, order + 1);
+        self.curve.jet_into(t, limit, &mut d);
+        d[0] -= self.origin;
+        for (o, d) in out.chunks_exact_mut(3).zip(&d) {
+            o.copy_from_slice(&d.to_array());
+        }
+    }
+    fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]) {
+        let mut d: SmallVec<[Box3; 4]> = SmallVec::from_elem(Box3::ENTIRE, order + 1);
+        self.curve.enclose_piece(t, limit, &mut d);
+        d[0] = d[0] - Box3::point(self.origin);
+        for (o, d) in out.chunks_exact_mut(3).zip(&d) {
+            o.copy_from_slice(&d.to_array());
+        }
+    }
+    fn to_piecewise(&self) -> Option<PiecewiseRational> {
+        Some(self.curve.to_nurbs()?.to_piecewise(self.origin))
+    }
+}
+
+/// Several lists of functions of the same variable, one after the other.
+#[derive(Clone, Debug)]
+pub struct Stack {
+    parts: Vec<FunctionsRef>,
+    breaks: Vec<Break>,
+    count: usize,
+}
+
+impl Stack {
+    /// All functions of all parts in order. The parts share a domain. Panics without parts.
+    pub fn new(parts: Vec<FunctionsRef>) -> Self {
+        let breaks = merge_breaks(parts.iter().map(|p| p.breaks()));
+        assert!(breaks.len() >= 2, "a stack of functions needs parts over a common domain");
+        let count = parts.iter().map(|p| p.count()).sum();
+        Self { parts, breaks, count }
+    }
+
+    /// Spreads the active functions of one part into the rows of the whole list.
+    fn gather<T: Copy>(
+        &self,
+        t: f64,
+        limit: Limit,
+        order: usize,
+        zero: T,
+        out: &mut [T],
+        eval: impl Fn(&dyn Functions, &mut [T]),
+    ) {
+        let mut start = 0;
+        let mut buffer: SmallVec<[T; 32]> = SmallVec::new();
+        for part in &self.parts {
+            let active = part.active(t, limit);
+            buffer.clear();
+            buffer.resize((order + 1) * active.len(), zero);
+            eval(part.as_ref(), &mut buffer);
+            for k in 0..=order {
+                let row = &mut out[k * self.count + start..][..part.count()];
+                row.fill(zero);
+                row[active.clone()].copy_from_slice(&buffer[k * active.len()..][..active.len()]);
+            }
+            start += part.count();
+        }
+    }
+}
+
+impl Functions for Stack {
+    fn count(&self) -> usize {
+        self.count
+    }
+    fn breaks(&self) -> &[Break] {
+        &self.breaks
+    }
+    fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {
+        self.gather(t, limit, order, 0.0, out, |p, o| p.jet_into(t, limit, order, o));
+    }
+    fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]) {
+        self.gather(t.mid(), limit, order, Interval::ZERO, out, |p, o| p.enclose_piece(t, limit, order, o));
+    }
+    fn to_piecewise(&self) -> Option<PiecewiseRational> {
+        let parts: Option<Vec<_>> = self.parts.iter().map(|p| p.to_piecewise()).collect();
+        Some(PiecewiseRational::stack(&parts?))
+    }
+}

@@ -1,0 +1,132 @@
+//! Where a curve or surface is less smooth, and from which side a limit is taken.
+
+use crate::interval::Interval;
+
+/// From which side a value is taken where a map is only piecewise smooth. At a domain end the inner side is meant.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Limit {
+    /// The limit from smaller parameters.
+    Below,
+    /// The limit from larger parameters.
+    #[default]
+    Above,
+}
+
+/// A parameter where two analytic pieces meet, or an end of the domain.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Break {
+    /// The parameter.
+    pub at: f64,
+    /// How many derivatives are continuous there: 0 for a corner, -1 for a jump. Not meaningful at the ends.
+    pub smooth: i32,
+}
+
+impl Break {
+    /// A break.
+    pub const fn new(at: f64, smooth: i32) -> Self {
+        Self { at, smooth }
+    }
+}
+
+/// The breaks of a map that is analytic on `[0, 1]`.
+pub const UNIT_BREAKS: [Break; 2] = [Break::new(0.0, 0), Break::new(1.0, 0)];
+
+/// Read access to a list of breaks (strictly increasing; the first and last are the ends of the domain).
+pub trait Breaks {
+    /// The domain.
+    fn domain(&self) -> Interval;
+    /// The number of analytic pieces.
+    fn pieces(&self) -> usize;
+    /// The parameter range of a piece.
+    fn piece(&self, i: usize) -> Interval;
+    /// The piece that decides the value at `t`: the one after a break for [`Limit::Above`], before it for
+    /// [`Limit::Below`]. Parameters outside the domain belong to the first or last piece.
+    fn find(&self, t: f64, limit: Limit) -> usize;
+    /// The parts of `t` that lie in one piece each, with the limit that selects that piece.
+    fn split(&self, t: Interval) -> Vec<(Interval, Limit)>;
+    /// The breaks where fewer than `smooth + 1` derivatives agree, without the ends.
+    fn below(&self, smooth: i32) -> Vec<f64>;
+}
+
+impl Breaks for [Break] {
+    fn domain(&self) -> Interval {
+        Interval { lo: self[0].at, hi: self[self.len() - 1].at }
+    }
+
+    fn pieces(&self) -> usize {
+        self.len() - 1
+    }
+
+    fn piece(&self, i: usize) -> Interval {
+        Interval { lo: self[i].at, hi: self[i + 1].at }
+    }
+
+    fn find(&self, t: f64, limit: Limit) -> usize {
+        let inner = &self[1..self.len() - 1];
+        match limit {
+            Limit::Above => inner.partition_point(|b| b.at <= t),
+            Limit::Below => inner.partition_point(|b| b.at < t),
+        }
+    }
+
+    fn split(&self, t: Interval) -> Vec<(Interval, Limit)> {
+        let first = self.find(t.lo, Limit::Below);
+        let last = self.find(t.hi, Limit::Above);
+        if first == last {
+            return vec![(t, Limit::Above)];
+        }
+        (first..=last)
+            .map(|i| {
+                let piece = self.piece(i);
+                let lo = if i == first { t.lo } else { piece.lo };
+                let hi = if i == last { t.hi } else { piece.hi };
+                // A part that is one point (t starts or ends on a break) selects its piece by the limit.
+                (Interval { lo, hi }, if i == first { Limit::Below } else { Limit::Above })
+            })
+            .collect()
+    }
+
+    fn below(&self, smooth: i32) -> Vec<f64> {
+        self[1..self.len() - 1].iter().filter(|b| b.smooth < smooth).map(|b| b.at).collect()
+    }
+}
+
+/// The breaks of several maps over the same domain taken together; at equal parameters the least smooth counts.
+/// Parameters closer than 4 units in the last place of the domain's ends are one break.
+pub fn merge_breaks<'a>(lists: impl IntoIterator<Item = &'a [Break]>) -> Vec<Break> {
+    let mut all: Vec<Break> = lists.into_iter().flatten().copied().collect();
+    all.sort_by(|a, b| a.at.total_cmp(&b.at));
+    let mut merged: Vec<Break> = Vec::with_capacity(all.len());
+    for b in all {
+        match merged.last_mut() {
+            Some(last) if b.at - last.at <= 4.0 * f64::EPSILON * b.at.abs().max(last.at.abs()) => {
+                last.smooth = last.smooth.min(b.smooth);
+            }
+            _ => merged.push(b),
+        }
+    }
+    merged
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pieces_are_found_and_split() {
+        let b = [Break::new(0.0, 0), Break::new(1.0, 2), Break::new(3.0, 0), Break::new(4.0, 0)];
+        let b = &b[..];
+        assert_eq!(b.find(1.0, Limit::Above), 1);
+        assert_eq!(b.find(1.0, Limit::Below), 0);
+        assert_eq!(b.find(9.0, Limit::Above), 2);
+        assert_eq!(b.find(4.0, Limit::Below), 2);
+        assert_eq!(b.split(Interval::new(0.5, 3.5)).len(), 3);
+        assert_eq!(b.split(Interval::new(1.2, 1.5)), vec![(Interval::new(1.2, 1.5), Limit::Above)]);
+        let at_break = b.split(Interval::point(1.0));
+        assert_eq!(at_break, vec![(Interval::point(1.0), Limit::Below), (Interval::point(1.0), Limit::Above)]);
+        for (part, limit) in b.split(Interval::new(0.0, 4.0)) {
+            assert_eq!(b.piece(b.find(part.mid(), limit)), part);
+        }
+        assert_eq!(b.below(1), vec![3.0]);
+    }
+}

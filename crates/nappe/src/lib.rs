@@ -1,0 +1,3 @@
+//! Exact parametric surfaces with certified answers.
+
+pub mod mesh;

@@ -1,0 +1,185 @@
+//! Parametric surfaces: one trait, one engine for everything separable, one file per kind.
+
+use crate::box3::Box3;
+use crate::breaks::{Break, Breaks, Limit};
+use crate::exact::NurbsSurface;
+use crate::interval::Interval;
+use glam::DVec3;
+use smallvec::SmallVec;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+mod separable;
+
+pub use separable::{Core, Separable, Term};
+
+/// A shared surface.
+pub type SurfaceRef = Arc<dyn Surface>;
+
+/// A parameter direction.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Dir {
+    /// Along u.
+    U,
+    /// Along v.
+    V,
+}
+
+/// The place of `∂ⁱᵤ∂ʲᵥ` in a surface jet: by total order, then by j. So 0: r; 1, 2: r_u, r_v; 3, 4, 5: r_uu, r_uv,
+/// r_vv; and so on. A jet of a lower order is the beginning of a jet of a higher order.
+pub const fn jet_index(i: usize, j: usize) -> usize {
+    (i + j) * (i + j + 1) / 2 + j
+}
+
+/// The number of derivatives in a jet of the given order.
+pub const fn jet_len(order: usize) -> usize {
+    (order + 1) * (order + 2) / 2
+}
+
+/// A parametric surface `r(u, v)`. Object safe, immutable, shared between threads.
+///
+/// Implementors write three methods; the rest is provided, and overridden only for speed. The orientation is that of
+/// `r_u × r_v`. South is v = 0, north v = 1, west u = 0, east u = 1 (the ends of the domain).
+pub trait Surface: Debug + Send + Sync {
+    /// The parameters where analytic pieces meet in a direction, the ends of the domain first and last.
+    fn breaks(&self, dir: Dir) -> &[Break];
+
+    /// Writes the point and its partial derivatives up to a total `order`, placed by [`jet_index`];
+    /// `out.len() == jet_len(order)`. At a break the piece on the side of `limit` (for u and for v) decides.
+    fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]);
+
+    /// Writes boxes that enclose the same for every parameter pair in `uv`, which lies in one analytic piece.
+    /// [`Box3::ENTIRE`] says that nothing can be proven.
+    fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]);
+
+    /// The same surface as a NURBS surface with the same parametrisation, where that exists exactly (within rounding).
+    fn to_nurbs(&self) -> Option<NurbsSurface> {
+        None
+    }
+
+    /// The parameter ranges of u and v.
+    fn domain(&self) -> [Interval; 2] {
+        [self.breaks(Dir::U).domain(), self.breaks(Dir::V).domain()]
+    }
+
+    /// The point and partial derivatives up to `order`.
+    fn jet(&self, uv: [f64; 2], limit: [Limit; 2], order: usize) -> SurfaceJet {
+        let mut d = SmallVec::from_elem(DVec3::ZERO, jet_len(order));
+        self.jet_into(uv, limit, order, &mut d);
+        SurfaceJet { d }
+    }
+
+    /// The point at `(u, v)`.
+    fn point(&self, uv: [f64; 2]) -> DVec3 {
+        let mut d = [DVec3::ZERO];
+        self.jet_into(uv, [Limit::Above; 2], 0, &mut d);
+        d[0]
+    }
+
+    /// The points at a list of parameter pairs. Panics if the lengths differ.
+    fn points(&self, uv: &[[f64; 2]], out: &mut [DVec3]) {
+        assert_eq!(uv.len(), out.len(), "one point for each parameter pair");
+        for (o, &uv) in out.iter_mut().zip(uv) {
+            *o = self.point(uv);
+        }
+    }
+
+    /// The points of a grid: `out[i * v.len() + j]` is the point at `(u[i], v[j])`. Panics if the length differs.
+    fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
+        assert_eq!(u.len() * v.len(), out.len(), "one point for each pair of the grid");
+        if v.is_empty() {
+            return;
+        }
+        for (row, &u) in out.chunks_exact_mut(v.len()).zip(u) {
+            for (o, &v) in row.iter_mut().zip(v) {
+                *o = self.point([u, v]);
+            }
+        }
+    }
+
+    /// Boxes that enclose the point and its derivatives up to `order` over a rectangle, breaks included, placed by
+    /// [`jet_index`]. Converges at second order: a centred Taylor form is intersected with the direct enclosure.
+    fn enclose(&self, uv: [Interval; 2], order: usize) -> Vec<Box3> {
+        let mut hull: Option<Vec<Box3>> = None;
+        let in_v = self.breaks(Dir::V).split(uv[1]);
+        for (u, limit_u) in self.breaks(Dir::U).split(uv[0]) {
+            for &(v, limit_v) in &in_v {
+                let boxes = enclose_centred(self, [u, v], [limit_u, limit_v], order);
+                hull = Some(match hull {
+                    None => boxes,
+                    Some(h) => h.into_iter().zip(boxes).map(|(a, b)| a.hull(b)).collect(),
+                });
+            }
+        }
+        hull.unwrap_or_default()
+    }
+
+    /// A box that contains the surface over a rectangle of parameters.
+    fn bounds(&self, uv: [Interval; 2]) -> Box3 {
+        self.enclose(uv, 0)[0]
+    }
+}
+
+/// The centred form: `∂ r(box) ⊂ Σ_{|a|<2} ∂ᵃ∂ r(m) (p - m)ᵃ/a! + Σ_{|a|=2} ∂ᵃ∂ r(box) (p - m)ᵃ/a!`.
+fn enclose_centred<F: Surface + ?Sized>(
+    surface: &F,
+    uv: [Interval; 2],
+    limit: [Limit; 2],
+    order: usize,
+) -> Vec<Box3> {
+    let mut raw = vec![Box3::ENTIRE; jet_len(order + 2)];
+    surface.enclose_piece(uv, limit, order + 2, &mut raw);
+    if uv[0].is_point() && uv[1].is_point() {
+        raw.truncate(jet_len(order));
+        return raw;
+    }
+    let m = uv.map(Interval::mid);
+    let mut at = vec![Box3::ENTIRE; jet_len(order + 1)];
+    surface.enclose_piece(m.map(Interval::point), limit, order + 1, &mut at);
+    let [hu, hv] = [uv[0] - Interval::point(m[0]), uv[1] - Interval::point(m[1])];
+    let half = Interval::point(0.5);
+    let (huu, huv, hvv) = (hu.sqr() * half, hu * hv, hv.sqr() * half);
+    let mut out = Vec::with_capacity(jet_len(order));
+    for n in 0..=order {
+        for j in 0..=n {
+            let i = n - j;
+            let x = |a: usize, b: usize| jet_index(i + a, j + b);
+            let centred = at[x(0, 0)]
+                + at[x(1, 0)].scale(hu)
+                + at[x(0, 1)].scale(hv)
+                + raw[x(2, 0)].scale(huu)
+                + raw[x(1, 1)].scale(huv)
+                + raw[x(0, 2)].scale(hvv);
+            out.push(if centred.is_finite() { centred.meet(raw[x(0, 0)]) } else { raw[x(0, 0)] });
+        }
+    }
+    out
+}
+
+/// A point of a surface with its partial derivatives.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurfaceJet {
+    /// Derivatives placed by [`jet_index`].
+    pub d: SmallVec<[DVec3; 6]>,
+}
+
+impl SurfaceJet {
+    /// The point.
+    pub fn point(&self) -> DVec3 {
+        self.d[0]
+    }
+
+    /// `∂ⁱᵤ∂ʲᵥ r`.
+    pub fn partial(&self, i: usize, j: usize) -> DVec3 {
+        self.d[jet_index(i, j)]
+    }
+
+    /// The unit normal `r_u × r_v / |r_u × r_v|`; `None` where the tangents do not span a plane (within rounding).
+    /// Needs order 1.
+    pub fn normal(&self) -> Option<DVec3> {
+        let (a, b) = (self.d[1], self.d[2]);
+        let n = a.cross(b);
+        let l = n.length();
+        (l > 1e-14 * a.length() * b.length() && l > f64::MIN_POSITIVE).then(|| n / l)
+    }
+}

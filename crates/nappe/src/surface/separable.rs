@@ -1,0 +1,267 @@
+//! The engine: `R(u, v) = Σ_ij a_i(u) C_ij b_j(v)` in homogeneous coordinates, `r = origin + R.xyz / R.w`.
+//!
+//! Every surface of the five sources is of this form. A kind states its two lists of functions and the constant core
+//! `C`; derivatives, enclosures, grids and the exact conversion to NURBS are here, once.
+
+use super::{Dir, Surface, jet_index, jet_len};
+use crate::basis::FunctionsRef;
+use crate::box3::Box3;
+use crate::breaks::{Break, Limit};
+use crate::exact::NurbsSurface;
+use crate::interval::Interval;
+use crate::scalar::Scalar;
+use crate::series::binomial;
+use glam::{DAffine3, DVec3, DVec4, Vec4Swizzles};
+use smallvec::SmallVec;
+use std::ops::Range;
+
+/// One product `c · a_i(u) · b_j(v)` of a separable surface; `c` holds (x, y, z, w).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// The index of the function of u.
+    pub i: usize,
+    /// The index of the function of v.
+    pub j: usize,
+    /// The constant factor, a homogeneous vector.
+    pub c: DVec4,
+}
+
+impl Term {
+    /// A term.
+    pub fn new(i: usize, j: usize, c: DVec4) -> Self {
+        Self { i, j, c }
+    }
+}
+
+/// The constant factors of a separable surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Core {
+    /// One homogeneous vector for each pair of functions, row-major (v fastest): a control net.
+    Net(Vec<DVec4>),
+    /// Only some pairs.
+    Terms(Vec<Term>),
+}
+
+/// A separable surface.
+#[derive(Clone, Debug)]
+pub struct Separable {
+    u: FunctionsRef,
+    v: FunctionsRef,
+    core: Core,
+    origin: DVec3,
+    rational: bool,
+}
+
+impl Separable {
+    /// `r = origin + Σ a_i(u) C_ij b_j(v)`; the w of every core vector is ignored.
+    ///
+    /// Panics if the core refers to functions that are not there.
+    pub fn polynomial(u: FunctionsRef, v: FunctionsRef, core: Core, origin: DVec3) -> Self {
+        Self::checked(u, v, core, origin, false)
+    }
+
+    /// `r = origin + R.xyz / R.w`. The caller knows that `R.w > 0`.
+    ///
+    /// Panics if the core refers to functions that are not there.
+    pub fn rational(u: FunctionsRef, v: FunctionsRef, core: Core, origin: DVec3) -> Self {
+        Self::checked(u, v, core, origin, true)
+    }
+
+    fn checked(u: FunctionsRef, v: FunctionsRef, core: Core, origin: DVec3, rational: bool) -> Self {
+        match &core {
+            Core::Net(c) => assert_eq!(c.len(), u.count() * v.count(), "a net has one point for each pair"),
+            Core::Terms(t) => {
+                assert!(t.iter().all(|t| t.i < u.count() && t.j < v.count()), "terms refer to functions that exist")
+            }
+        }
+        Self { u, v, core, origin, rational }
+    }
+
+    /// The functions of u.
+    pub fn functions_u(&self) -> &FunctionsRef {
+        &self.u
+    }
+
+    /// The functions of v.
+    pub fn functions_v(&self) -> &FunctionsRef {
+        &self.v
+    }
+
+    /// The constant factors.
+    pub fn core(&self) -> &Core {
+        &self.core
+    }
+
+    /// The point that is added at the end.
+    pub fn origin(&self) -> DVec3 {
+        self.origin
+    }
+
+    /// True if the w coordinate is not constant 1.
+    pub fn is_rational(&self) -> bool {
+        self.rational
+    }
+
+    /// The image under an affine map: exact, since only the core changes.
+    pub fn transformed(&self, map: &DAffine3) -> Self {
+        let t = |c: &DVec4| (map.matrix3 * c.xyz()).extend(c.w);
+        let core = match &self.core {
+            Core::Net(c) => Core::Net(c.iter().map(t).collect()),
+            Core::Terms(c) => Core::Terms(c.iter().map(|x| Term { c: t(&x.c), ..*x }).collect()),
+        };
+        Self { core, origin: map.transform_point3(self.origin), ..self.clone() }
+    }
+
+    /// Sums `Σ a_i⁽ᵖ⁾ C_ij b_j⁽ᑫ⁾` for all `p + q <= order` into homogeneous derivatives, with the core shifted so
+    /// that `shift` becomes the origin: near it the quotient rule loses nothing to cancellation.
+    fn contract<S: Scalar>(
+        &self,
+        a: (&[S], Range<usize>),
+        b: (&[S], Range<usize>),
+        shift: Option<[S; 3]>,
+        order: usize,
+        out: &mut [[S; 4]],
+    ) {
+        let (na, nb) = (a.1.len(), b.1.len());
+        let lift = |c: DVec4| -> [S; 4] {
+            let [x, y, z, w] = c.to_array().map(S::from);
+            match shift {
+                Some(s) => [x - s[0] * w, y - s[1] * w, z - s[2] * w, w],
+                None => [x, y, z, w],
+            }
+        };
+        out.fill([S::ZERO; 4]);
+        match &self.core {
+            Core::Net(net) => {
+                let stride = self.v.count();
+                // First along v, one row of the net at a time, then along u.
+                let mut row: SmallVec<[[S; 4]; 4]> = SmallVec::from_elem([S::ZERO; 4], order + 1);
+                for i in 0..na {
+                    row.fill([S::ZERO; 4]);
+                    for j in 0..nb {
+                        let c = lift(net[(a.1.start + i) * stride + b.1.start + j]);
+                        for (q, r) in row.iter_mut().enumerate() {
+                            let f = b.0[q * nb + j];
+                            for k in 0..4 {
+                                r[k] = r[k] + f * c[k];
+                            }
+                        }
+                    }
+                    for p in 0..=order {
+                        let f = a.0[p * na + i];
+                        for q in 0..=order - p {
+                            let o = &mut out[jet_index(p, q)];
+                            for k in 0..4 {
+                                o[k] = o[k] + f * row[q][k];
+                            }
+                        }
+                    }
+                }
+            }
+            Core::Terms(terms) => {
+                for t in terms {
+                    if !(a.1.contains(&t.i) && b.1.contains(&t.j)) {
+                        continue;
+                    }
+                    let c = lift(t.c);
+                    for p in 0..=order {
+                        let f = a.0[p * na + t.i - a.1.start];
+                        for q in 0..=order - p {
+                            let g = f * b.0[q * nb + t.j - b.1.start];
+                            let o = &mut out[jet_index(p, q)];
+                            for k in 0..4 {
+                                if !c[k].is_zero() {
+                                    o[k] = o[k] + g * c[k];
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// The derivatives of `r - origin` (or `r - origin - shift` if rational), written over homogeneous ones.
+    fn dehomogenise<S: Scalar>(&self, h: &[[S; 4]], order: usize, out: &mut [[S; 3]]) {
+        for n in 0..=order {
+            for j in 0..=n {
+                let i = n - j;
+                let at = jet_index(i, j);
+                if !self.rational {
+                    out[at] = [h[at][0], h[at][1], h[at][2]];
+                    continue;
+                }
+                // r_ij = (R_ij - Σ_{(p,q) < (i,j)} C(i,p) C(j,q) r_pq w_{i-p,j-q}) / w
+                let mut s = [h[at][0], h[at][1], h[at][2]];
+                for p in 0..=i {
+                    for q in 0..=j {
+                        if (p, q) == (i, j) {
+                            continue;
+                        }
+                        let w = S::from(binomial(i, p) * binomial(j, q)) * h[jet_index(i - p, j - q)][3];
+                        for k in 0..3 {
+                            s[k] = s[k] - out[jet_index(p, q)][k] * w;
+                        }
+                    }
+                }
+                out[at] = s.map(|x| x / h[0][3]);
+            }
+        }
+    }
+}
+
+impl Surface for Separable {
+    fn breaks(&self, dir: Dir) -> &[Break] {
+        match dir {
+            Dir::U => self.u.breaks(),
+            Dir::V => self.v.breaks(),
+        }
+    }
+
+    fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
+        let (ra, rb) = (self.u.active(uv[0], limit[0]), self.v.active(uv[1], limit[1]));
+        let mut a: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, (order + 1) * ra.len());
+        let mut b: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, (order + 1) * rb.len());
+        self.u.jet_into(uv[0], limit[0], order, &mut a);
+        self.v.jet_into(uv[1], limit[1], order, &mut b);
+        let mut h: SmallVec<[[f64; 4]; 6]> = SmallVec::from_elem([0.0; 4], jet_len(order));
+        self.contract((&a, ra), (&b, rb), None, order, &mut h);
+        let mut r: SmallVec<[[f64; 3]; 6]> = SmallVec::from_elem([0.0; 3], jet_len(order));
+        self.dehomogenise(&h, order, &mut r);
+        for (o, r) in out.iter_mut().zip(&r) {
+            *o = DVec3::from_array(*r);
+        }
+        out[0] += self.origin;
+    }
+
+    fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
+        let m = uv.map(Interval::mid);
+        let (ra, rb) = (self.u.active(m[0], limit[0]), self.v.active(m[1], limit[1]));
+        let mut a: SmallVec<[Interval; 32]> = SmallVec::from_elem(Interval::ENTIRE, (order + 1) * ra.len());
+        let mut b: SmallVec<[Interval; 32]> = SmallVec::from_elem(Interval::ENTIRE, (order + 1) * rb.len());
+        self.u.enclose_piece(uv[0], limit[0], order, &mut a);
+        self.v.enclose_piece(uv[1], limit[1], order, &mut b);
+        let shift = self.rational.then(|| {
+            let mut p = [DVec3::ZERO];
+            self.jet_into(m, limit, 0, &mut p);
+            let p = p[0] - self.origin;
+            if p.is_finite() { p } else { DVec3::ZERO }
+        });
+        let lifted = shift.map(|p| p.to_array().map(Interval::point));
+        let mut h: SmallVec<[[Interval; 4]; 6]> = SmallVec::from_elem([Interval::ZERO; 4], jet_len(order));
+        self.contract((&a, ra), (&b, rb), lifted, order, &mut h);
+        let mut r: SmallVec<[[Interval; 3]; 6]> = SmallVec::from_elem([Interval::ZERO; 3], jet_len(order));
+        self.dehomogenise(&h, order, &mut r);
+        for (o, r) in out.iter_mut().zip(&r) {
+            *o = Box3::from(*r);
+        }
+        if let Some(p) = shift {
+            out[0] = out[0] + Box3::point(p);
+        }
+        out[0] = out[0] + Box3::point(self.origin);
+    }
+
+    fn to_nurbs(&self) -> Option<NurbsSurface> {
+        NurbsSurface::from_separable(self)
+    }
+}
