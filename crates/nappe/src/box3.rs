@@ -17,13 +17,25 @@ pub struct Box3 {
 
 impl Box3 {
     /// The box of one point at the origin.
-    pub const ZERO: Box3 = Box3 { x: Interval::ZERO, y: Interval::ZERO, z: Interval::ZERO };
+    pub const ZERO: Box3 = Box3 {
+        x: Interval::ZERO,
+        y: Interval::ZERO,
+        z: Interval::ZERO,
+    };
     /// All of space: "nothing is known".
-    pub const ENTIRE: Box3 = Box3 { x: Interval::ENTIRE, y: Interval::ENTIRE, z: Interval::ENTIRE };
+    pub const ENTIRE: Box3 = Box3 {
+        x: Interval::ENTIRE,
+        y: Interval::ENTIRE,
+        z: Interval::ENTIRE,
+    };
 
     /// The box that holds one point.
     pub fn point(p: DVec3) -> Self {
-        Self { x: Interval::point(p.x), y: Interval::point(p.y), z: Interval::point(p.z) }
+        Self {
+            x: Interval::point(p.x),
+            y: Interval::point(p.y),
+            z: Interval::point(p.z),
+        }
     }
 
     /// The smallest box around some points; `None` for no points.
@@ -48,17 +60,29 @@ impl Box3 {
 
     /// The smallest box that contains both.
     pub fn hull(self, o: Self) -> Self {
-        Self { x: self.x.hull(o.x), y: self.y.hull(o.y), z: self.z.hull(o.z) }
+        Self {
+            x: self.x.hull(o.x),
+            y: self.y.hull(o.y),
+            z: self.z.hull(o.z),
+        }
     }
 
     /// The common part of two enclosures of the same thing.
     pub fn meet(self, o: Self) -> Self {
-        Self { x: self.x.meet(o.x), y: self.y.meet(o.y), z: self.z.meet(o.z) }
+        Self {
+            x: self.x.meet(o.x),
+            y: self.y.meet(o.y),
+            z: self.z.meet(o.z),
+        }
     }
 
     /// Widened by `r` in every direction.
     pub fn inflate(self, r: f64) -> Self {
-        Self { x: self.x.inflate(r), y: self.y.inflate(r), z: self.z.inflate(r) }
+        Self {
+            x: self.x.inflate(r),
+            y: self.y.inflate(r),
+            z: self.z.inflate(r),
+        }
     }
 
     /// A point inside, near the middle.
@@ -93,7 +117,11 @@ impl Box3 {
 
     /// Every vector times every number.
     pub fn scale(self, s: Interval) -> Self {
-        Self { x: self.x * s, y: self.y * s, z: self.z * s }
+        Self {
+            x: self.x * s,
+            y: self.y * s,
+            z: self.z * s,
+        }
     }
 }
 
@@ -106,13 +134,21 @@ impl From<[Interval; 3]> for Box3 {
 impl Add for Box3 {
     type Output = Box3;
     fn add(self, o: Box3) -> Box3 {
-        Box3 { x: self.x + o.x, y: self.y + o.y, z: self.z + o.z }
+        Box3 {
+            x: self.x + o.x,
+            y: self.y + o.y,
+            z: self.z + o.z,
+        }
     }
 }
 
 impl Sub for Box3 {
     type Output = Box3;
     fn sub(self, o: Box3) -> Box3 {
-        Box3 { x: self.x - o.x, y: self.y - o.y, z: self.z - o.z }
+        Box3 {
+            x: self.x - o.x,
+            y: self.y - o.y,
+            z: self.z - o.z,
+        }
     }
 }

@@ -43,14 +43,17 @@ pub trait Breaks {
     /// [`Limit::Below`]. Parameters outside the domain belong to the first or last piece.
     fn find(&self, t: f64, limit: Limit) -> usize;
     /// The parts of `t` that lie in one piece each, with the limit that selects that piece.
-    fn split(&self, t: Interval) -> Vec<(Interval, Limit)>;
+    fn parts(&self, t: Interval) -> Vec<(Interval, Limit)>;
     /// The breaks where fewer than `smooth + 1` derivatives agree, without the ends.
     fn below(&self, smooth: i32) -> Vec<f64>;
 }
 
 impl Breaks for [Break] {
     fn domain(&self) -> Interval {
-        Interval { lo: self[0].at, hi: self[self.len() - 1].at }
+        Interval {
+            lo: self[0].at,
+            hi: self[self.len() - 1].at,
+        }
     }
 
     fn pieces(&self) -> usize {
@@ -58,7 +61,10 @@ impl Breaks for [Break] {
     }
 
     fn piece(&self, i: usize) -> Interval {
-        Interval { lo: self[i].at, hi: self[i + 1].at }
+        Interval {
+            lo: self[i].at,
+            hi: self[i + 1].at,
+        }
     }
 
     fn find(&self, t: f64, limit: Limit) -> usize {
@@ -69,7 +75,7 @@ impl Breaks for [Break] {
         }
     }
 
-    fn split(&self, t: Interval) -> Vec<(Interval, Limit)> {
+    fn parts(&self, t: Interval) -> Vec<(Interval, Limit)> {
         let first = self.find(t.lo, Limit::Below);
         let last = self.find(t.hi, Limit::Above);
         if first == last {
@@ -81,13 +87,24 @@ impl Breaks for [Break] {
                 let lo = if i == first { t.lo } else { piece.lo };
                 let hi = if i == last { t.hi } else { piece.hi };
                 // A part that is one point (t starts or ends on a break) selects its piece by the limit.
-                (Interval { lo, hi }, if i == first { Limit::Below } else { Limit::Above })
+                (
+                    Interval { lo, hi },
+                    if i == first {
+                        Limit::Below
+                    } else {
+                        Limit::Above
+                    },
+                )
             })
             .collect()
     }
 
     fn below(&self, smooth: i32) -> Vec<f64> {
-        self[1..self.len() - 1].iter().filter(|b| b.smooth < smooth).map(|b| b.at).collect()
+        self[1..self.len() - 1]
+            .iter()
+            .filter(|b| b.smooth < smooth)
+            .map(|b| b.at)
+            .collect()
     }
 }
 
@@ -114,17 +131,31 @@ mod tests {
 
     #[test]
     fn pieces_are_found_and_split() {
-        let b = [Break::new(0.0, 0), Break::new(1.0, 2), Break::new(3.0, 0), Break::new(4.0, 0)];
+        let b = [
+            Break::new(0.0, 0),
+            Break::new(1.0, 2),
+            Break::new(3.0, 0),
+            Break::new(4.0, 0),
+        ];
         let b = &b[..];
         assert_eq!(b.find(1.0, Limit::Above), 1);
         assert_eq!(b.find(1.0, Limit::Below), 0);
         assert_eq!(b.find(9.0, Limit::Above), 2);
         assert_eq!(b.find(4.0, Limit::Below), 2);
-        assert_eq!(b.split(Interval::new(0.5, 3.5)).len(), 3);
-        assert_eq!(b.split(Interval::new(1.2, 1.5)), vec![(Interval::new(1.2, 1.5), Limit::Above)]);
-        let at_break = b.split(Interval::point(1.0));
-        assert_eq!(at_break, vec![(Interval::point(1.0), Limit::Below), (Interval::point(1.0), Limit::Above)]);
-        for (part, limit) in b.split(Interval::new(0.0, 4.0)) {
+        assert_eq!(b.parts(Interval::new(0.5, 3.5)).len(), 3);
+        assert_eq!(
+            b.parts(Interval::new(1.2, 1.5)),
+            vec![(Interval::new(1.2, 1.5), Limit::Above)]
+        );
+        let at_break = b.parts(Interval::point(1.0));
+        assert_eq!(
+            at_break,
+            vec![
+                (Interval::point(1.0), Limit::Below),
+                (Interval::point(1.0), Limit::Above)
+            ]
+        );
+        for (part, limit) in b.parts(Interval::new(0.0, 4.0)) {
             assert_eq!(b.piece(b.find(part.mid(), limit)), part);
         }
         assert_eq!(b.below(1), vec![3.0]);

@@ -6,7 +6,7 @@
 //! [`LIBM_ULPS`] steps are taken. Where no finite statement can be made (division by an interval that contains zero,
 //! an argument outside a function's domain) the result is [`Interval::ENTIRE`], never a NaN.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Steps outwards after a library function. Two are documented for the worst common library; four leaves a margin.
@@ -23,7 +23,10 @@ pub struct Interval {
 
 impl Interval {
     /// The whole line: "nothing is known".
-    pub const ENTIRE: Interval = Interval { lo: f64::NEG_INFINITY, hi: f64::INFINITY };
+    pub const ENTIRE: Interval = Interval {
+        lo: f64::NEG_INFINITY,
+        hi: f64::INFINITY,
+    };
     /// The number 0.
     pub const ZERO: Interval = Interval { lo: 0.0, hi: 0.0 };
     /// The number 1.
@@ -44,7 +47,11 @@ impl Interval {
 
     /// The interval that holds one number. A NaN gives [`Interval::ENTIRE`].
     pub const fn point(x: f64) -> Self {
-        if x.is_nan() { Self::ENTIRE } else { Self { lo: x, hi: x } }
+        if x.is_nan() {
+            Self::ENTIRE
+        } else {
+            Self { lo: x, hi: x }
+        }
     }
 
     /// The number itself, rounded in the decimal system, is within half a unit in the last place of `x`:
@@ -73,7 +80,11 @@ impl Interval {
 
     /// The smallest absolute value.
     pub fn mig(self) -> f64 {
-        if self.contains(0.0) { 0.0 } else { self.lo.abs().min(self.hi.abs()) }
+        if self.contains(0.0) {
+            0.0
+        } else {
+            self.lo.abs().min(self.hi.abs())
+        }
     }
 
     /// True if `x` lies inside or on an end.
@@ -98,7 +109,10 @@ impl Interval {
 
     /// The smallest interval that contains both.
     pub fn hull(self, other: Interval) -> Self {
-        Self { lo: self.lo.min(other.lo), hi: self.hi.max(other.hi) }
+        Self {
+            lo: self.lo.min(other.lo),
+            hi: self.hi.max(other.hi),
+        }
     }
 
     /// The common part of two enclosures of the same value. If rounding made them disjoint, the first is kept.
@@ -120,7 +134,10 @@ impl Interval {
 
     /// `{|x|}`.
     pub fn abs(self) -> Self {
-        Self { lo: self.mig(), hi: self.mag() }
+        Self {
+            lo: self.mig(),
+            hi: self.mag(),
+        }
     }
 
     /// `{x²}`: tighter than the product of the interval with itself.
@@ -130,7 +147,10 @@ impl Interval {
         }
         let (a, b) = (self.mig(), self.mag());
         let r = out(a * a, b * b, 1);
-        Self { lo: r.lo.max(0.0), hi: r.hi }
+        Self {
+            lo: r.lo.max(0.0),
+            hi: r.hi,
+        }
     }
 
     /// `{xⁿ}` for an integer n.
@@ -149,7 +169,14 @@ impl Interval {
                 base = base.sqr();
             }
         }
-        if even_sign { Self { lo: acc.lo.max(0.0), hi: acc.hi } } else { acc }
+        if even_sign {
+            Self {
+                lo: acc.lo.max(0.0),
+                hi: acc.hi,
+            }
+        } else {
+            acc
+        }
     }
 
     /// `{√x}` over the part of the interval where it is defined; [`Interval::ENTIRE`] if there is none.
@@ -161,7 +188,10 @@ impl Interval {
             return self;
         }
         let r = out(self.lo.max(0.0).sqrt(), self.hi.sqrt(), 1);
-        Self { lo: r.lo.max(0.0), hi: r.hi }
+        Self {
+            lo: r.lo.max(0.0),
+            hi: r.hi,
+        }
     }
 
     /// `{eˣ}`.
@@ -170,7 +200,10 @@ impl Interval {
             return Self::ONE;
         }
         let r = out(self.lo.exp(), self.hi.exp(), LIBM_ULPS);
-        Self { lo: r.lo.max(0.0), hi: r.hi }
+        Self {
+            lo: r.lo.max(0.0),
+            hi: r.hi,
+        }
     }
 
     /// `{ln x}` over the part where it is defined; [`Interval::ENTIRE`] if there is none.
@@ -199,7 +232,7 @@ impl Interval {
         }
         const LIMIT: f64 = 1.0995e12;
         let full = Self { lo: -1.0, hi: 1.0 };
-        if !self.is_finite() || self.mag() > LIMIT || self.width() >= 6.283 {
+        if !self.is_finite() || self.mag() > LIMIT || self.width() >= TAU {
             return full;
         }
         // Which multiples of π lie inside? The quotient is widened, so an extremum is never missed.
@@ -269,7 +302,10 @@ impl Interval {
             return Self::ONE;
         }
         let r = out(self.mig().cosh(), self.mag().cosh(), LIBM_ULPS);
-        Self { lo: r.lo.max(1.0), hi: r.hi }
+        Self {
+            lo: r.lo.max(1.0),
+            hi: r.hi,
+        }
     }
 
     /// `{tanh x}`.
@@ -282,22 +318,34 @@ impl Interval {
 
     /// `{min(x, y)}`.
     pub fn min(self, o: Self) -> Self {
-        Self { lo: self.lo.min(o.lo), hi: self.hi.min(o.hi) }
+        Self {
+            lo: self.lo.min(o.lo),
+            hi: self.hi.min(o.hi),
+        }
     }
 
     /// `{max(x, y)}`.
     pub fn max(self, o: Self) -> Self {
-        Self { lo: self.lo.max(o.lo), hi: self.hi.max(o.hi) }
+        Self {
+            lo: self.lo.max(o.lo),
+            hi: self.hi.max(o.hi),
+        }
     }
 
     /// An enclosure of π.
     pub fn pi() -> Self {
         // The double nearest to π lies below it.
-        Self { lo: PI, hi: PI.next_up() }
+        Self {
+            lo: PI,
+            hi: PI.next_up(),
+        }
     }
 
     fn half_pi() -> Self {
-        Self { lo: FRAC_PI_2, hi: FRAC_PI_2.next_up() }
+        Self {
+            lo: FRAC_PI_2,
+            hi: FRAC_PI_2.next_up(),
+        }
     }
 }
 
@@ -322,7 +370,10 @@ impl From<f64> for Interval {
 impl Neg for Interval {
     type Output = Interval;
     fn neg(self) -> Interval {
-        Interval { lo: -self.hi, hi: -self.lo }
+        Interval {
+            lo: -self.hi,
+            hi: -self.lo,
+        }
     }
 }
 
@@ -366,11 +417,20 @@ impl Mul for Interval {
         if o == Interval::ONE {
             return self;
         }
-        let p = [self.lo * o.lo, self.lo * o.hi, self.hi * o.lo, self.hi * o.hi];
+        let p = [
+            self.lo * o.lo,
+            self.lo * o.hi,
+            self.hi * o.lo,
+            self.hi * o.hi,
+        ];
         if p.iter().any(|x| x.is_nan()) {
             return Interval::ENTIRE;
         }
-        out(p[0].min(p[1]).min(p[2].min(p[3])), p[0].max(p[1]).max(p[2].max(p[3])), 1)
+        out(
+            p[0].min(p[1]).min(p[2].min(p[3])),
+            p[0].max(p[1]).max(p[2].max(p[3])),
+            1,
+        )
     }
 }
 
@@ -383,11 +443,20 @@ impl Div for Interval {
         if o == Interval::ONE || self == Interval::ZERO {
             return self;
         }
-        let p = [self.lo / o.lo, self.lo / o.hi, self.hi / o.lo, self.hi / o.hi];
+        let p = [
+            self.lo / o.lo,
+            self.lo / o.hi,
+            self.hi / o.lo,
+            self.hi / o.hi,
+        ];
         if p.iter().any(|x| x.is_nan()) {
             return Interval::ENTIRE;
         }
-        out(p[0].min(p[1]).min(p[2].min(p[3])), p[0].max(p[1]).max(p[2].max(p[3])), 1)
+        out(
+            p[0].min(p[1]).min(p[2].min(p[3])),
+            p[0].max(p[1]).max(p[2].max(p[3])),
+            1,
+        )
     }
 }
 

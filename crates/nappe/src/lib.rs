@@ -1,3 +1,19 @@
 //! Exact parametric surfaces with certified answers.
 
+pub mod basis;
+pub mod curve;
+pub mod exact;
+pub mod laws;
 pub mod mesh;
+pub mod scalar;
+pub mod series;
+pub mod surface;
+
+mod box3;
+mod breaks;
+mod interval;
+
+pub use box3::Box3;
+pub use breaks::{Break, Breaks, Limit, UNIT_BREAKS, merge_breaks};
+pub use glam::{DAffine3, DMat3, DVec3, DVec4};
+pub use interval::Interval;

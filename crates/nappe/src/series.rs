@@ -52,7 +52,11 @@ impl<S: Scalar> Series<S> {
         let mut factorial = 1.0;
         for (k, o) in out.iter_mut().enumerate() {
             factorial *= k.max(1) as f64;
-            *o = if k < 2 { self.c[k] } else { self.c[k] * S::from(factorial) };
+            *o = if k < 2 {
+                self.c[k]
+            } else {
+                self.c[k] * S::from(factorial)
+            };
         }
     }
 
@@ -68,22 +72,30 @@ impl<S: Scalar> Series<S> {
 
     /// `-f`.
     pub fn neg(&self) -> Self {
-        Self { c: self.c.iter().map(|&x| -x).collect() }
+        Self {
+            c: self.c.iter().map(|&x| -x).collect(),
+        }
     }
 
     /// `f + g`.
     pub fn add(&self, o: &Self) -> Self {
-        Self { c: self.c.iter().zip(&o.c).map(|(&a, &b)| a + b).collect() }
+        Self {
+            c: self.c.iter().zip(&o.c).map(|(&a, &b)| a + b).collect(),
+        }
     }
 
     /// `f - g`.
     pub fn sub(&self, o: &Self) -> Self {
-        Self { c: self.c.iter().zip(&o.c).map(|(&a, &b)| a - b).collect() }
+        Self {
+            c: self.c.iter().zip(&o.c).map(|(&a, &b)| a - b).collect(),
+        }
     }
 
     /// `f · x` for a number x.
     pub fn scale(&self, x: S) -> Self {
-        Self { c: self.c.iter().map(|&a| a * x).collect() }
+        Self {
+            c: self.c.iter().map(|&a| a * x).collect(),
+        }
     }
 
     /// `f · g`.
@@ -148,7 +160,9 @@ impl<S: Scalar> Series<S> {
         let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(self.c.len());
         c.push(self.c[0].exp());
         for k in 1..self.c.len() {
-            let s = (1..=k).fold(S::ZERO, |acc, j| acc + self.c[j] * S::from(j as f64) * c[k - j]);
+            let s = (1..=k).fold(S::ZERO, |acc, j| {
+                acc + self.c[j] * S::from(j as f64) * c[k - j]
+            });
             c.push(s / S::from(k as f64));
         }
         Self { c }
@@ -198,7 +212,8 @@ impl<S: Scalar> Series<S> {
         if n < 0 {
             return Self::constant(S::ONE, self.order()).div(&self.powi(-n));
         }
-        let (mut base, mut n, mut acc) = (self.clone(), n as u32, Self::constant(S::ONE, self.order()));
+        let (mut base, mut n, mut acc) =
+            (self.clone(), n as u32, Self::constant(S::ONE, self.order()));
         while n > 0 {
             if n & 1 == 1 {
                 acc = acc.mul(&base);
@@ -213,7 +228,15 @@ impl<S: Scalar> Series<S> {
 
     /// The series of the derivative, one order shorter.
     pub fn derivative(&self) -> Self {
-        Self { c: self.c.iter().enumerate().skip(1).map(|(k, &x)| x * S::from(k as f64)).collect() }
+        Self {
+            c: self
+                .c
+                .iter()
+                .enumerate()
+                .skip(1)
+                .map(|(k, &x)| x * S::from(k as f64))
+                .collect(),
+        }
     }
 }
 
@@ -251,18 +274,32 @@ mod tests {
         let (tan, sec2) = (t.tan(), 1.0 / t.cos().powi(2));
         let mut d = [0.0; 4];
         q.write_derivatives(&mut d);
-        for (got, want) in d.iter().zip([tan, sec2, 2.0 * sec2 * tan, 2.0 * sec2 * (sec2 + 2.0 * tan * tan)]) {
-            assert!((got - want).abs() < 1e-13 * want.abs().max(1.0), "{got} {want}");
+        for (got, want) in d.iter().zip([
+            tan,
+            sec2,
+            2.0 * sec2 * tan,
+            2.0 * sec2 * (sec2 + 2.0 * tan * tan),
+        ]) {
+            assert!(
+                (got - want).abs() < 1e-13 * want.abs().max(1.0),
+                "{got} {want}"
+            );
         }
     }
 
     #[test]
     fn inverse_pairs_give_the_identity() {
         let x = Series::variable(0.3f64, 7);
-        for y in [x.exp().ln(), x.sqr().sqrt(), x.asin().sin_cos().0, x.acos().sin_cos().1, {
-            let (s, c) = x.atan().sin_cos();
-            s.div(&c)
-        }] {
+        for y in [
+            x.exp().ln(),
+            x.sqr().sqrt(),
+            x.asin().sin_cos().0,
+            x.acos().sin_cos().1,
+            {
+                let (s, c) = x.atan().sin_cos();
+                s.div(&c)
+            },
+        ] {
             for k in 0..8 {
                 assert!((y.c[k] - x.c[k]).abs() < 1e-12, "{k}: {:?}", y.c);
             }

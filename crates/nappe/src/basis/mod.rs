@@ -63,7 +63,12 @@ impl Functions for One {
         out[0] = Interval::ONE;
     }
     fn to_piecewise(&self) -> Option<PiecewiseRational> {
-        Some(PiecewiseRational::polynomial(UNIT_BREAKS.to_vec(), 0, 1, vec![1.0]))
+        Some(PiecewiseRational::polynomial(
+            UNIT_BREAKS.to_vec(),
+            0,
+            1,
+            vec![1.0],
+        ))
     }
 }
 
@@ -122,9 +127,16 @@ impl Stack {
     /// All functions of all parts in order. The parts share a domain. Panics without parts.
     pub fn new(parts: Vec<FunctionsRef>) -> Self {
         let breaks = merge_breaks(parts.iter().map(|p| p.breaks()));
-        assert!(breaks.len() >= 2, "a stack of functions needs parts over a common domain");
+        assert!(
+            breaks.len() >= 2,
+            "a stack of functions needs parts over a common domain"
+        );
         let count = parts.iter().map(|p| p.count()).sum();
-        Self { parts, breaks, count }
+        Self {
+            parts,
+            breaks,
+            count,
+        }
     }
 
     /// Spreads the active functions of one part into the rows of the whole list.
@@ -162,13 +174,21 @@ impl Functions for Stack {
         &self.breaks
     }
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {
-        self.gather(t, limit, order, 0.0, out, |p, o| p.jet_into(t, limit, order, o));
+        self.gather(t, limit, order, 0.0, out, |p, o| {
+            p.jet_into(t, limit, order, o)
+        });
     }
     fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]) {
-        self.gather(t.mid(), limit, order, Interval::ZERO, out, |p, o| p.enclose_piece(t, limit, order, o));
+        self.gather(t.mid(), limit, order, Interval::ZERO, out, |p, o| {
+            p.enclose_piece(t, limit, order, o)
+        });
     }
     fn to_piecewise(&self) -> Option<PiecewiseRational> {
         let parts: Option<Vec<_>> = self.parts.iter().map(|p| p.to_piecewise()).collect();
         Some(PiecewiseRational::stack(&parts?))
     }
 }
+
+mod bspline;
+
+pub use bspline::{BSplineBasis, KnotError};

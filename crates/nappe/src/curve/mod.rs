@@ -75,7 +75,7 @@ pub trait Curve: Debug + Send + Sync {
     /// Converges at second order: a centred Taylor form is intersected with the direct enclosure.
     fn enclose(&self, t: Interval, order: usize) -> Vec<Box3> {
         let mut hull: Option<Vec<Box3>> = None;
-        for (part, limit) in self.breaks().split(t) {
+        for (part, limit) in self.breaks().parts(t) {
             let boxes = enclose_centred(self, part, limit, order);
             hull = Some(match hull {
                 None => boxes,
@@ -94,7 +94,12 @@ pub trait Curve: Debug + Send + Sync {
 /// Orders beyond the one asked for that the centred form uses.
 const CENTRED: usize = 2;
 
-fn enclose_centred<C: Curve + ?Sized>(curve: &C, t: Interval, limit: Limit, order: usize) -> Vec<Box3> {
+fn enclose_centred<C: Curve + ?Sized>(
+    curve: &C,
+    t: Interval,
+    limit: Limit,
+    order: usize,
+) -> Vec<Box3> {
     let mut raw = vec![Box3::ENTIRE; order + 1 + CENTRED];
     curve.enclose_piece(t, limit, &mut raw);
     if t.is_point() {
@@ -110,7 +115,11 @@ fn enclose_centred<C: Curve + ?Sized>(curve: &C, t: Interval, limit: Limit, orde
     (0..=order)
         .map(|k| {
             let centred = at[k] + at[k + 1].scale(h) + raw[k + 2].scale(h2);
-            if centred.is_finite() { centred.meet(raw[k]) } else { raw[k] }
+            if centred.is_finite() {
+                centred.meet(raw[k])
+            } else {
+                raw[k]
+            }
         })
         .collect()
 }
@@ -141,7 +150,9 @@ impl CurveJet {
 pub(crate) fn quotient_rule<S: crate::scalar::Scalar>(num: &[[S; 4]], out: &mut [[S; 3]]) {
     for k in 0..out.len() {
         for c in 0..3 {
-            let s = (0..k).fold(num[k][c], |acc, j| acc - S::from(binomial(k, j)) * out[j][c] * num[k - j][3]);
+            let s = (0..k).fold(num[k][c], |acc, j| {
+                acc - S::from(binomial(k, j)) * out[j][c] * num[k - j][3]
+            });
             out[k][c] = s / num[0][3];
         }
     }

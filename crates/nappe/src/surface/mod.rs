@@ -86,7 +86,11 @@ pub trait Surface: Debug + Send + Sync {
 
     /// The points of a grid: `out[i * v.len() + j]` is the point at `(u[i], v[j])`. Panics if the length differs.
     fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
-        assert_eq!(u.len() * v.len(), out.len(), "one point for each pair of the grid");
+        assert_eq!(
+            u.len() * v.len(),
+            out.len(),
+            "one point for each pair of the grid"
+        );
         if v.is_empty() {
             return;
         }
@@ -101,8 +105,8 @@ pub trait Surface: Debug + Send + Sync {
     /// [`jet_index`]. Converges at second order: a centred Taylor form is intersected with the direct enclosure.
     fn enclose(&self, uv: [Interval; 2], order: usize) -> Vec<Box3> {
         let mut hull: Option<Vec<Box3>> = None;
-        let in_v = self.breaks(Dir::V).split(uv[1]);
-        for (u, limit_u) in self.breaks(Dir::U).split(uv[0]) {
+        let in_v = self.breaks(Dir::V).parts(uv[1]);
+        for (u, limit_u) in self.breaks(Dir::U).parts(uv[0]) {
             for &(v, limit_v) in &in_v {
                 let boxes = enclose_centred(self, [u, v], [limit_u, limit_v], order);
                 hull = Some(match hull {
@@ -150,7 +154,11 @@ fn enclose_centred<F: Surface + ?Sized>(
                 + raw[x(2, 0)].scale(huu)
                 + raw[x(1, 1)].scale(huv)
                 + raw[x(0, 2)].scale(hvv);
-            out.push(if centred.is_finite() { centred.meet(raw[x(0, 0)]) } else { raw[x(0, 0)] });
+            out.push(if centred.is_finite() {
+                centred.meet(raw[x(0, 0)])
+            } else {
+                raw[x(0, 0)]
+            });
         }
     }
     out

@@ -67,14 +67,33 @@ impl Separable {
         Self::checked(u, v, core, origin, true)
     }
 
-    fn checked(u: FunctionsRef, v: FunctionsRef, core: Core, origin: DVec3, rational: bool) -> Self {
+    fn checked(
+        u: FunctionsRef,
+        v: FunctionsRef,
+        core: Core,
+        origin: DVec3,
+        rational: bool,
+    ) -> Self {
         match &core {
-            Core::Net(c) => assert_eq!(c.len(), u.count() * v.count(), "a net has one point for each pair"),
+            Core::Net(c) => assert_eq!(
+                c.len(),
+                u.count() * v.count(),
+                "a net has one point for each pair"
+            ),
             Core::Terms(t) => {
-                assert!(t.iter().all(|t| t.i < u.count() && t.j < v.count()), "terms refer to functions that exist")
+                assert!(
+                    t.iter().all(|t| t.i < u.count() && t.j < v.count()),
+                    "terms refer to functions that exist"
+                )
             }
         }
-        Self { u, v, core, origin, rational }
+        Self {
+            u,
+            v,
+            core,
+            origin,
+            rational,
+        }
     }
 
     /// The functions of u.
@@ -109,7 +128,11 @@ impl Separable {
             Core::Net(c) => Core::Net(c.iter().map(t).collect()),
             Core::Terms(c) => Core::Terms(c.iter().map(|x| Term { c: t(&x.c), ..*x }).collect()),
         };
-        Self { core, origin: map.transform_point3(self.origin), ..self.clone() }
+        Self {
+            core,
+            origin: map.transform_point3(self.origin),
+            ..self.clone()
+        }
     }
 
     /// Sums `Σ a_i⁽ᵖ⁾ C_ij b_j⁽ᑫ⁾` for all `p + q <= order` into homogeneous derivatives, with the core shifted so
@@ -198,7 +221,8 @@ impl Separable {
                         if (p, q) == (i, j) {
                             continue;
                         }
-                        let w = S::from(binomial(i, p) * binomial(j, q)) * h[jet_index(i - p, j - q)][3];
+                        let w = S::from(binomial(i, p) * binomial(j, q))
+                            * h[jet_index(i - p, j - q)][3];
                         for k in 0..3 {
                             s[k] = s[k] - out[jet_index(p, q)][k] * w;
                         }
@@ -219,7 +243,10 @@ impl Surface for Separable {
     }
 
     fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
-        let (ra, rb) = (self.u.active(uv[0], limit[0]), self.v.active(uv[1], limit[1]));
+        let (ra, rb) = (
+            self.u.active(uv[0], limit[0]),
+            self.v.active(uv[1], limit[1]),
+        );
         let mut a: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, (order + 1) * ra.len());
         let mut b: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, (order + 1) * rb.len());
         self.u.jet_into(uv[0], limit[0], order, &mut a);
@@ -237,8 +264,10 @@ impl Surface for Separable {
     fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
         let m = uv.map(Interval::mid);
         let (ra, rb) = (self.u.active(m[0], limit[0]), self.v.active(m[1], limit[1]));
-        let mut a: SmallVec<[Interval; 32]> = SmallVec::from_elem(Interval::ENTIRE, (order + 1) * ra.len());
-        let mut b: SmallVec<[Interval; 32]> = SmallVec::from_elem(Interval::ENTIRE, (order + 1) * rb.len());
+        let mut a: SmallVec<[Interval; 32]> =
+            SmallVec::from_elem(Interval::ENTIRE, (order + 1) * ra.len());
+        let mut b: SmallVec<[Interval; 32]> =
+            SmallVec::from_elem(Interval::ENTIRE, (order + 1) * rb.len());
         self.u.enclose_piece(uv[0], limit[0], order, &mut a);
         self.v.enclose_piece(uv[1], limit[1], order, &mut b);
         let shift = self.rational.then(|| {
@@ -248,9 +277,11 @@ impl Surface for Separable {
             if p.is_finite() { p } else { DVec3::ZERO }
         });
         let lifted = shift.map(|p| p.to_array().map(Interval::point));
-        let mut h: SmallVec<[[Interval; 4]; 6]> = SmallVec::from_elem([Interval::ZERO; 4], jet_len(order));
+        let mut h: SmallVec<[[Interval; 4]; 6]> =
+            SmallVec::from_elem([Interval::ZERO; 4], jet_len(order));
         self.contract((&a, ra), (&b, rb), lifted, order, &mut h);
-        let mut r: SmallVec<[[Interval; 3]; 6]> = SmallVec::from_elem([Interval::ZERO; 3], jet_len(order));
+        let mut r: SmallVec<[[Interval; 3]; 6]> =
+            SmallVec::from_elem([Interval::ZERO; 3], jet_len(order));
         self.dehomogenise(&h, order, &mut r);
         for (o, r) in out.iter_mut().zip(&r) {
             *o = Box3::from(*r);

@@ -1,0 +1,419 @@
+//! B-spline basis functions; Bernstein polynomials are the case without inner knots.
+
+use super::Functions;
+use crate::breaks::{Break, Breaks, Limit};
+use crate::exact::PiecewiseRational;
+use crate::interval::Interval;
+use crate::scalar::Scalar;
+use smallvec::SmallVec;
+use std::ops::Range;
+use thiserror::Error;
+
+/// What can be wrong with a knot vector.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum KnotError {
+    /// The degree is zero or beyond the limit.
+    #[error("degree {degree} is not between 1 and {}", BSplineBasis::MAX_DEGREE)]
+    Degree {
+        /// The degree given.
+        degree: usize,
+    },
+    /// The length does not fit.
+    #[error("{points} points of degree {degree} need {} knots, {knots} are given", points + degree + 1)]
+    Count {
+        /// The number of control points.
+        points: usize,
+        /// The degree.
+        degree: usize,
+        /// The number of knots given.
+        knots: usize,
+    },
+    /// Fewer points than the degree needs.
+    #[error("degree {degree} needs at least {} points, {points} are given", degree + 1)]
+    TooFewPoints {
+        /// The number of control points.
+        points: usize,
+        /// The degree.
+        degree: usize,
+    },
+    /// A knot is NaN or infinite.
+    #[error("knot {index} is {value}, knots must be finite numbers")]
+    NotFinite {
+        /// Which knot.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// A knot is smaller than the one before.
+    #[error(
+        "knot {index} is {value}, smaller than the one before it ({before}): knots must not decrease"
+    )]
+    Unsorted {
+        /// Which knot.
+        index: usize,
+        /// Its value.
+        value: f64,
+        /// The knot before it.
+        before: f64,
+    },
+    /// An inner knot is repeated so often that the curve would fall apart, or an end knot more than degree + 1 times.
+    #[error(
+        "knot {value} is repeated {multiplicity} times, at most {most} are possible there for degree {degree}"
+    )]
+    Multiplicity {
+        /// The index of its first occurrence.
+        index: usize,
+        /// The knot.
+        value: f64,
+        /// How often it occurs.
+        multiplicity: usize,
+        /// How often it may occur.
+        most: usize,
+        /// The degree.
+        degree: usize,
+    },
+    /// The domain is empty.
+    #[error("the knots leave no parameter range: knot {degree} and knot {points} are both {value}")]
+    EmptyDomain {
+        /// The degree, the index of the domain's lower end.
+        degree: usize,
+        /// The number of points, the index of the domain's upper end.
+        points: usize,
+        /// Both knots.
+        value: f64,
+    },
+}
+
+/// The B-spline basis of a degree over a knot vector. The functions are positive inside their support and sum to 1 on
+/// the domain `[knots[degree], knots[count]]`; p+1 of them are active in each span. Cost: O(p²) a parameter.
+/// Source: Piegl and Tiller, *The NURBS Book*, chapter 2.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BSplineBasis {
+    degree: usize,
+    knots: Vec<f64>,
+    breaks: Vec<Break>,
+    /// For each piece the index of the knot at its start.
+    spans: Vec<usize>,
+}
+
+impl BSplineBasis {
+    /// The highest degree accepted.
+    pub const MAX_DEGREE: usize = 64;
+
+    /// A basis over a full knot vector (`count + degree + 1` knots).
+    pub fn new(degree: usize, knots: Vec<f64>) -> Result<Self, KnotError> {
+        if degree == 0 || degree > Self::MAX_DEGREE {
+            return Err(KnotError::Degree { degree });
+        }
+        let points = knots.len().saturating_sub(degree + 1);
+        if points < degree + 1 {
+            return Err(KnotError::TooFewPoints { points, degree });
+        }
+        if let Some(index) = knots.iter().position(|k| !k.is_finite()) {
+            return Err(KnotError::NotFinite {
+                index,
+                value: knots[index],
+            });
+        }
+        if let Some(i) = (1..knots.len()).find(|&i| knots[i] < knots[i - 1]) {
+            return Err(KnotError::Unsorted {
+                index: i,
+                value: knots[i],
+                before: knots[i - 1],
+            });
+        }
+        if knots[degree] >= knots[points] {
+            return Err(KnotError::EmptyDomain {
+                degree,
+                points,
+                value: knots[degree],
+            });
+        }
+        let (mut breaks, mut spans) = (Vec::new(), Vec::new());
+        let mut i = 0;
+        while i < knots.len() {
+            let last = i + knots[i..].partition_point(|&k| k == knots[i]) - 1;
+            let multiplicity = last - i + 1;
+            let inner = knots[i] > knots[degree] && knots[i] < knots[points];
+            let most = if inner { degree } else { degree + 1 };
+            if multiplicity > most {
+                return Err(KnotError::Multiplicity {
+                    index: i,
+                    value: knots[i],
+                    multiplicity,
+                    most,
+                    degree,
+                });
+            }
+            if knots[i] >= knots[degree] && knots[i] <= knots[points] {
+                breaks.push(Break::new(knots[i], degree as i32 - multiplicity as i32));
+                if knots[i] < knots[points] {
+                    spans.push(last);
+                }
+            }
+            i = last + 1;
+        }
+        Ok(Self {
+            degree,
+            knots,
+            breaks,
+            spans,
+        })
+    }
+
+    /// The Bernstein polynomials of a degree on `[0, 1]`. Panics for a degree of 0 or above [`Self::MAX_DEGREE`].
+    pub fn bernstein(degree: usize) -> Self {
+        assert!((1..=Self::MAX_DEGREE).contains(&degree), "degree {degree}");
+        let mut knots = vec![0.0; degree + 1];
+        knots.resize(2 * degree + 2, 1.0);
+        let breaks = vec![Break::new(0.0, 0), Break::new(1.0, 0)];
+        Self {
+            degree,
+            knots,
+            breaks,
+            spans: vec![degree],
+        }
+    }
+
+    /// The clamped knot vector with equal spans on `[0, 1]` for a number of points: the default where a user gives
+    /// none.
+    pub fn clamped_uniform(degree: usize, points: usize) -> Vec<f64> {
+        let spans = points.saturating_sub(degree).max(1);
+        let inner = (1..spans).map(|i| i as f64 / spans as f64);
+        let mut knots = vec![0.0; degree + 1];
+        knots.extend(inner);
+        knots.resize(knots.len() + degree + 1, 1.0);
+        knots
+    }
+
+    /// The degree.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// The full knot vector.
+    pub fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// True if both ends have full multiplicity, so that the first and last points are the ends.
+    pub fn is_clamped(&self) -> bool {
+        let (p, n) = (self.degree, self.count());
+        self.knots[0] == self.knots[p] && self.knots[n] == self.knots[n + p]
+    }
+
+    /// The index of the knot at the start of the span that holds `t`.
+    pub fn span(&self, t: f64, limit: Limit) -> usize {
+        self.spans[self.breaks.find(t, limit)]
+    }
+
+    /// Values and derivatives of the active functions in a span, for values and enclosures alike.
+    fn eval<S: Scalar>(&self, span: usize, t: S, order: usize, out: &mut [S]) {
+        let p = self.degree;
+        let k = |i: usize| S::from(self.knots[i]);
+        // rows[q] holds N_{span-q} … N_span of degree q.
+        let mut rows: SmallVec<[SmallVec<[S; 6]>; 6]> = SmallVec::with_capacity(p + 1);
+        rows.push(SmallVec::from_elem(S::ONE, 1));
+        for q in 1..=p {
+            let below = &rows[q - 1];
+            let mut row: SmallVec<[S; 6]> = SmallVec::with_capacity(q + 1);
+            for r in 0..=q {
+                let i = span + r - q;
+                let mut n = S::ZERO;
+                if r > 0 {
+                    n = (t - k(i)) / (k(i + q) - k(i)) * below[r - 1];
+                }
+                if r < q {
+                    n = n + (k(i + q + 1) - t) / (k(i + q + 1) - k(i + 1)) * below[r];
+                }
+                row.push(n);
+            }
+            rows.push(row);
+        }
+        for d in 0..=order {
+            let o = &mut out[d * (p + 1)..][..p + 1];
+            if d > p {
+                o.fill(S::ZERO);
+                continue;
+            }
+            // N'_{i,q} = q (N_{i,q-1}/(k_{i+q} - k_i) - N_{i+1,q-1}/(k_{i+q+1} - k_{i+1})), applied d times.
+            o[..=p - d].copy_from_slice(&rows[p - d]);
+            for q in p - d + 1..=p {
+                let factor = S::from(q as f64);
+                for r in (0..=q).rev() {
+                    let i = span + r - q;
+                    let mut n = S::ZERO;
+                    if r > 0 {
+                        n = o[r - 1] * factor / (k(i + q) - k(i));
+                    }
+                    if r < q {
+                        n = n - o[r] * factor / (k(i + q + 1) - k(i + 1));
+                    }
+                    o[r] = n;
+                }
+            }
+        }
+    }
+
+    /// The polar form (blossom) of the spline with the given coefficients, in one span, at `degree` arguments.
+    /// With all arguments equal to t it is the value at t.
+    fn blossom(&self, span: usize, coefficients: &[f64], arguments: &[f64]) -> f64 {
+        let p = self.degree;
+        let mut d: SmallVec<[f64; 6]> = SmallVec::from_slice(coefficients);
+        for (r, &x) in arguments.iter().enumerate() {
+            for j in (r + 1..=p).rev() {
+                let i = span + j - p;
+                let (lo, hi) = (self.knots[i], self.knots[i + p - r]);
+                let s = (x - lo) / (hi - lo);
+                d[j] = (1.0 - s) * d[j - 1] + s * d[j];
+            }
+        }
+        d[p]
+    }
+}
+
+impl Functions for BSplineBasis {
+    fn count(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    fn breaks(&self) -> &[Break] {
+        &self.breaks
+    }
+
+    fn active(&self, t: f64, limit: Limit) -> Range<usize> {
+        let s = self.span(t, limit);
+        s - self.degree..s + 1
+    }
+
+    fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {
+        self.eval(self.span(t, limit), t, order, out);
+    }
+
+    fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]) {
+        self.eval(self.span(t.mid(), limit), t, order, out);
+        // The values are between 0 and 1 wherever t stays inside its span.
+        let piece = self.breaks.piece(self.breaks.find(t.mid(), limit));
+        if piece.encloses(t) {
+            for v in &mut out[..=self.degree] {
+                *v = v.meet(Interval::UNIT);
+            }
+        }
+    }
+
+    fn to_piecewise(&self) -> Option<PiecewiseRational> {
+        let (p, n) = (self.degree, self.count());
+        let mut coefficients = vec![0.0; self.spans.len() * n * (p + 1)];
+        let mut unit: SmallVec<[f64; 6]> = SmallVec::from_elem(0.0, p + 1);
+        for (piece, &span) in self.spans.iter().enumerate() {
+            let Interval { lo, hi } = self.breaks.piece(piece);
+            for f in 0..=p {
+                unit.fill(0.0);
+                unit[f] = 1.0;
+                let at = (piece * n + span - p + f) * (p + 1);
+                for j in 0..=p {
+                    let mut arguments: SmallVec<[f64; 6]> = SmallVec::from_elem(lo, p);
+                    arguments[p - j..].fill(hi);
+                    coefficients[at + j] = self.blossom(span, &unit, &arguments);
+                }
+            }
+        }
+        Some(PiecewiseRational::polynomial(
+            self.breaks.clone(),
+            p,
+            n,
+            coefficients,
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> BSplineBasis {
+        BSplineBasis::new(
+            3,
+            vec![0.0, 0.0, 0.0, 0.0, 1.0, 2.5, 2.5, 4.0, 4.0, 4.0, 4.0],
+        )
+        .unwrap()
+    }
+
+    #[test]
+    fn functions_sum_to_one_and_derivatives_to_zero() {
+        let b = example();
+        for i in 0..=80 {
+            let t = 4.0 * i as f64 / 80.0;
+            let mut out = [0.0; 20];
+            b.jet_into(t, Limit::Above, 4, &mut out);
+            for d in 0..=4 {
+                let sum: f64 = out[d * 4..d * 4 + 4].iter().sum();
+                assert!(
+                    (sum - if d == 0 { 1.0 } else { 0.0 }).abs() < 1e-12,
+                    "{t} {d} {sum}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn bernstein_values_are_binomial() {
+        let b = BSplineBasis::bernstein(4);
+        let (t, mut out) = (0.3f64, [0.0; 5]);
+        b.jet_into(t, Limit::Above, 0, &mut out);
+        for (i, v) in out.iter().enumerate() {
+            let want =
+                crate::series::binomial(4, i) * t.powi(i as i32) * (1.0 - t).powi(4 - i as i32);
+            assert!((v - want).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_piecewise_form_has_the_same_values() {
+        let b = example();
+        let pieces = b.to_piecewise().unwrap();
+        for i in 0..=40 {
+            let t = 4.0 * i as f64 / 40.0;
+            let mut out = [0.0; 4];
+            b.jet_into(t, Limit::Above, 0, &mut out);
+            let all = pieces.value(t);
+            for (f, v) in b.active(t, Limit::Above).zip(out) {
+                assert!((all[f] - v).abs() < 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn bad_knots_are_named() {
+        let new = |d, k: &[f64]| BSplineBasis::new(d, k.to_vec()).unwrap_err();
+        assert!(matches!(
+            new(2, &[0.0, 0.0, 0.0, 1.0, 0.5, 1.0, 1.0]),
+            KnotError::Unsorted { index: 4, .. }
+        ));
+        assert!(matches!(
+            new(2, &[0.0, 0.0, 1.0, 1.0]),
+            KnotError::TooFewPoints { points: 1, .. }
+        ));
+        assert!(matches!(
+            new(2, &[0.0, 0.0, 0.0, 0.5, 0.5, 0.5, 1.0, 1.0, 1.0]),
+            KnotError::Multiplicity {
+                index: 3,
+                multiplicity: 3,
+                most: 2,
+                ..
+            }
+        ));
+        assert!(matches!(
+            new(1, &[0.0, f64::NAN, 1.0, 1.0]),
+            KnotError::NotFinite { index: 1, .. }
+        ));
+        assert!(matches!(
+            new(1, &[0.0, 1.0, 1.0, 2.0]),
+            KnotError::EmptyDomain { .. }
+        ));
+        assert!(matches!(
+            new(0, &[0.0, 1.0]),
+            KnotError::Degree { degree: 0 }
+        ));
+    }
+}

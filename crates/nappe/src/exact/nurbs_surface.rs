@@ -1,0 +1,257 @@
+//! NURBS surfaces.
+
+use super::nurbs_curve::{homogeneous, middle};
+use super::piecewise::{bernstein_elevate, join_pieces};
+use super::{NurbsError, PiecewiseRational};
+use crate::basis::{BSplineBasis, Functions, KnotError};
+use crate::box3::Box3;
+use crate::breaks::{Break, Limit};
+use crate::interval::Interval;
+use crate::surface::{Core, Dir, Separable, Surface};
+use glam::{DVec3, DVec4, Vec4Swizzles};
+use std::sync::Arc;
+
+/// A NURBS surface; without weights a B-spline surface, without inner knots a (rational) Bézier surface.
+///
+/// `r(u, v) = ΣΣ N_i(u) M_j(v) w_ij p_ij / ΣΣ N_i(u) M_j(v) w_ij`. The net is row-major: v fastest.
+/// Source: Golovanov, *Geometric modelling*, §3.9 (3.9.1) and (3.9.4).
+#[derive(Clone, Debug)]
+pub struct NurbsSurface {
+    basis_u: Arc<BSplineBasis>,
+    basis_v: Arc<BSplineBasis>,
+    /// Homogeneous points as given.
+    points: Vec<DVec4>,
+    form: Separable,
+}
+
+impl NurbsSurface {
+    /// From a row-major net (`points[i * columns + j]`, i along u), knots and weights (`None`: all 1).
+    pub fn new(
+        degree: [usize; 2],
+        knots: [Vec<f64>; 2],
+        points: &[DVec3],
+        weights: Option<&[f64]>,
+    ) -> Result<Self, NurbsError> {
+        let [ku, kv] = knots;
+        let basis_u = BSplineBasis::new(degree[0], ku)?;
+        let basis_v = BSplineBasis::new(degree[1], kv)?;
+        let (rows, columns) = (basis_u.count(), basis_v.count());
+        if rows * columns != points.len() {
+            return Err(NurbsError::NetSize {
+                rows,
+                columns,
+                points: points.len(),
+            });
+        }
+        Ok(Self::from_homogeneous(
+            basis_u,
+            basis_v,
+            homogeneous(points, weights)?,
+        ))
+    }
+
+    /// A (rational) Bézier surface on `[0, 1]²` from a row-major net with the given number of rows.
+    pub fn bezier(
+        rows: usize,
+        points: &[DVec3],
+        weights: Option<&[f64]>,
+    ) -> Result<Self, NurbsError> {
+        let columns = points.len().checked_div(rows).unwrap_or(0);
+        if rows * columns != points.len() || points.is_empty() {
+            return Err(NurbsError::NetSize {
+                rows,
+                columns,
+                points: points.len(),
+            });
+        }
+        for n in [rows, columns] {
+            if n < 2 {
+                return Err(KnotError::TooFewPoints {
+                    points: n,
+                    degree: 1,
+                }
+                .into());
+            }
+            if n > BSplineBasis::MAX_DEGREE + 1 {
+                return Err(KnotError::Degree { degree: n - 1 }.into());
+            }
+        }
+        let h = homogeneous(points, weights)?;
+        Ok(Self::from_homogeneous(
+            BSplineBasis::bernstein(rows - 1),
+            BSplineBasis::bernstein(columns - 1),
+            h,
+        ))
+    }
+
+    /// From points `(w x, w y, w z, w)`. Panics if their number is not that of the bases.
+    pub fn from_homogeneous(
+        basis_u: BSplineBasis,
+        basis_v: BSplineBasis,
+        points: Vec<DVec4>,
+    ) -> Self {
+        let (basis_u, basis_v) = (Arc::new(basis_u), Arc::new(basis_v));
+        let origin = middle(&points);
+        let w0 = points[0].w;
+        let rational = points.iter().any(|p| p.w != w0);
+        let scale = if rational { 1.0 } else { w0 };
+        let net = points
+            .iter()
+            .map(|p| ((p.xyz() - origin * p.w) / scale).extend(p.w / scale))
+            .collect();
+        let make = if rational {
+            Separable::rational
+        } else {
+            Separable::polynomial
+        };
+        let form = make(basis_u.clone(), basis_v.clone(), Core::Net(net), origin);
+        Self {
+            basis_u,
+            basis_v,
+            points,
+            form,
+        }
+    }
+
+    /// The exact NURBS form of a separable surface whose functions are all piecewise rational.
+    pub(crate) fn from_separable(s: &Separable) -> Option<Self> {
+        let (u, v) = (
+            s.functions_u().to_piecewise()?,
+            s.functions_v().to_piecewise()?,
+        );
+        let (p, q) = (u.degree().max(1), v.degree().max(1));
+        let (pieces_u, pieces_v) = (u.breaks().len() - 1, v.breaks().len() - 1);
+        let origin = s.origin();
+        // The Bézier net of every piece pair; `grid[a][b][i][j]` flattened.
+        let at = |a: usize, b: usize, i: usize, j: usize| {
+            ((a * pieces_v + b) * (p + 1) + i) * (q + 1) + j
+        };
+        let mut grid = vec![DVec4::ZERO; pieces_u * pieces_v * (p + 1) * (q + 1)];
+        let num = |f: &PiecewiseRational, piece, k, degree| {
+            bernstein_elevate(f.numerator(piece, k), degree)
+        };
+        for a in 0..pieces_u {
+            let nu: Vec<_> = (0..u.count()).map(|k| num(&u, a, k, p)).collect();
+            let du = bernstein_elevate(&u.denominator(a), p);
+            for b in 0..pieces_v {
+                let nv: Vec<_> = (0..v.count()).map(|k| num(&v, b, k, q)).collect();
+                let dv = bernstein_elevate(&v.denominator(b), q);
+                let mut add = |k: usize, l: usize, c: DVec4| {
+                    for i in 0..=p {
+                        for j in 0..=q {
+                            grid[at(a, b, i, j)] += c * (nu[k][i] * nv[l][j]);
+                        }
+                    }
+                };
+                match s.core() {
+                    Core::Net(net) => {
+                        for k in (0..u.count()).filter(|&k| nu[k].iter().any(|x| *x != 0.0)) {
+                            for l in (0..v.count()).filter(|&l| nv[l].iter().any(|x| *x != 0.0)) {
+                                add(k, l, net[k * v.count() + l]);
+                            }
+                        }
+                    }
+                    Core::Terms(terms) => terms.iter().for_each(|t| add(t.i, t.j, t.c)),
+                }
+                for i in 0..=p {
+                    for j in 0..=q {
+                        let g = &mut grid[at(a, b, i, j)];
+                        if !s.is_rational() {
+                            g.w = du[i] * dv[j];
+                        }
+                        *g = (g.xyz() + origin * g.w).extend(g.w);
+                    }
+                }
+            }
+        }
+        // Join along v for every row of every piece in u, then along u for every column.
+        let mut knots_v = Vec::new();
+        let mut rows: Vec<Vec<Vec<DVec4>>> = Vec::new();
+        for a in 0..pieces_u {
+            let mut of_piece = Vec::new();
+            for i in 0..=p {
+                let line: Vec<Vec<DVec4>> = (0..pieces_v)
+                    .map(|b| (0..=q).map(|j| grid[at(a, b, i, j)]).collect())
+                    .collect();
+                let (k, points) = join_pieces(v.breaks(), q, &line);
+                knots_v = k;
+                of_piece.push(points);
+            }
+            rows.push(of_piece);
+        }
+        let columns = rows[0][0].len();
+        let mut knots_u = Vec::new();
+        let mut by_column = Vec::with_capacity(columns);
+        for j in 0..columns {
+            let line: Vec<Vec<DVec4>> = rows
+                .iter()
+                .map(|r| r.iter().map(|x| x[j]).collect())
+                .collect();
+            let (k, points) = join_pieces(u.breaks(), p, &line);
+            knots_u = k;
+            by_column.push(points);
+        }
+        let count_u = by_column[0].len();
+        let points = (0..count_u)
+            .flat_map(|i| by_column.iter().map(move |c| c[i]))
+            .collect();
+        Some(Self::from_homogeneous(
+            BSplineBasis::new(p, knots_u).ok()?,
+            BSplineBasis::new(q, knots_v).ok()?,
+            points,
+        ))
+    }
+
+    /// The basis along u: degree and knots.
+    pub fn basis_u(&self) -> &BSplineBasis {
+        &self.basis_u
+    }
+
+    /// The basis along v.
+    pub fn basis_v(&self) -> &BSplineBasis {
+        &self.basis_v
+    }
+
+    /// The number of rows (along u) and columns (along v) of the net.
+    pub fn size(&self) -> [usize; 2] {
+        [self.basis_u.count(), self.basis_v.count()]
+    }
+
+    /// The points `(w x, w y, w z, w)`, row-major.
+    pub fn homogeneous(&self) -> &[DVec4] {
+        &self.points
+    }
+
+    /// The control points in space, row-major.
+    pub fn control_points(&self) -> Vec<DVec3> {
+        self.points.iter().map(|p| p.xyz() / p.w).collect()
+    }
+
+    /// The weights, row-major.
+    pub fn weights(&self) -> Vec<f64> {
+        self.points.iter().map(|p| p.w).collect()
+    }
+
+    /// True if the weights differ.
+    pub fn is_rational(&self) -> bool {
+        self.form.is_rational()
+    }
+}
+
+impl Surface for NurbsSurface {
+    fn breaks(&self, dir: Dir) -> &[Break] {
+        self.form.breaks(dir)
+    }
+
+    fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
+        self.form.jet_into(uv, limit, order, out);
+    }
+
+    fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
+        self.form.enclose_piece(uv, limit, order, out);
+    }
+
+    fn to_nurbs(&self) -> Option<NurbsSurface> {
+        Some(self.clone())
+    }
+}
