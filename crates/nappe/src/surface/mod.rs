@@ -9,9 +9,13 @@ use smallvec::SmallVec;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+mod contour;
 mod separable;
+mod sides;
 
+pub use contour::{Contour, ContourError, CornerGap};
 pub use separable::{Core, Separable, Term};
+pub use sides::{Corner, Side};
 
 /// A shared surface.
 pub type SurfaceRef = Arc<dyn Surface>;
