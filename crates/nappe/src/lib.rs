@@ -3,6 +3,7 @@
 pub mod basis;
 pub mod curve;
 pub mod exact;
+pub mod expr;
 pub mod laws;
 pub mod mesh;
 pub mod scalar;

@@ -42,6 +42,14 @@ pub trait Scalar:
     fn acos(self) -> Self;
     /// The inverse tangent.
     fn atan(self) -> Self;
+    /// The tangent of an angle in radians.
+    fn tan(self) -> Self;
+    /// The hyperbolic sine.
+    fn sinh(self) -> Self;
+    /// The hyperbolic cosine.
+    fn cosh(self) -> Self;
+    /// The hyperbolic tangent.
+    fn tanh(self) -> Self;
     /// An integer power.
     fn powi(self, n: i32) -> Self;
     /// The number that decides a branch: the value, or the middle of the enclosure.
@@ -77,6 +85,18 @@ macro_rules! forward {
         }
         fn atan(self) -> Self {
             <$t>::atan(self)
+        }
+        fn tan(self) -> Self {
+            <$t>::tan(self)
+        }
+        fn sinh(self) -> Self {
+            <$t>::sinh(self)
+        }
+        fn cosh(self) -> Self {
+            <$t>::cosh(self)
+        }
+        fn tanh(self) -> Self {
+            <$t>::tanh(self)
         }
         fn powi(self, n: i32) -> Self {
             <$t>::powi(self, n)

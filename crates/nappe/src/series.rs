@@ -192,6 +192,70 @@ impl<S: Scalar> Series<S> {
         r
     }
 
+    /// `tan f`, from `(tan f)' = (1 + tan² f) f'`.
+    pub fn tan(&self) -> Self {
+        self.tangent(self.c[0].tan(), S::ONE)
+    }
+
+    /// `tanh f`, from `(tanh f)' = (1 - tanh² f) f'`: no overflow, unlike the quotient of sinh and cosh.
+    pub fn tanh(&self) -> Self {
+        self.tangent(self.c[0].tanh(), -S::ONE)
+    }
+
+    /// The series y with the given value and `y' = (1 + sign y²) f'`.
+    fn tangent(&self, value: S, sign: S) -> Self {
+        let n = self.c.len();
+        let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(n);
+        c.push(value);
+        for k in 1..n {
+            let mut sum = S::ZERO;
+            for j in 1..=k {
+                // The coefficient of order k - j of 1 + sign y².
+                let m = k - j;
+                let y2 = (0..=m).fold(S::ZERO, |acc, i| acc + c[i] * c[m - i]);
+                let g = if m == 0 { S::ONE + sign * value.sqr() } else { sign * y2 };
+                sum = sum + S::from(j as f64) * self.c[j] * g;
+            }
+            c.push(sum / S::from(k as f64));
+        }
+        Self { c }
+    }
+
+    /// `sinh f` and `cosh f`.
+    pub fn sinh_cosh(&self) -> (Self, Self) {
+        let n = self.c.len();
+        let mut s: SmallVec<[S; 6]> = SmallVec::with_capacity(n);
+        let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(n);
+        s.push(self.c[0].sinh());
+        c.push(self.c[0].cosh());
+        for k in 1..n {
+            let (mut a, mut b) = (S::ZERO, S::ZERO);
+            for j in 1..=k {
+                let d = self.c[j] * S::from(j as f64);
+                a = a + d * c[k - j];
+                b = b + d * s[k - j];
+            }
+            let k = S::from(k as f64);
+            s.push(a / k);
+            c.push(b / k);
+        }
+        (Self { c: s }, Self { c })
+    }
+
+    /// The angle of the point `(x, self)`, whose value the caller gives: its derivative `(x y' - y x')/(x² + y²)` is
+    /// the same on every branch.
+    pub fn atan2(&self, x: &Self, value: S) -> Self {
+        let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(self.c.len());
+        c.push(value);
+        if self.order() > 0 {
+            let r2 = x.sqr().add(&self.sqr());
+            let turn = x.mul(&self.derivative()).sub(&self.mul(&x.derivative()));
+            let slope = turn.div(&r2);
+            c.extend((1..self.c.len()).map(|k| slope.c[k - 1] / S::from(k as f64)));
+        }
+        Self { c }
+    }
+
     /// The series with the given value and derivative `f' / g`: how the inverse functions are built.
     fn integrate_quotient(&self, value: S, g: &Self) -> Self {
         let n = self.c.len();
@@ -305,5 +369,23 @@ mod tests {
             }
         }
         assert_eq!(binomial(10, 3), 120.0);
+    }
+
+    #[test]
+    fn hyperbolic_and_angle_series_obey_their_identities() {
+        let x = Series::variable(0.4f64, 7);
+        let (sh, ch) = x.sinh_cosh();
+        let one = ch.sqr().sub(&sh.sqr());
+        let (tanh, quotient) = (x.tanh(), sh.div(&ch));
+        let (s, c) = x.sin_cos();
+        let (tan, ratio) = (x.tan(), s.div(&c));
+        let angle = s.atan2(&c, 0.4);
+        for k in 0..8 {
+            let unit = if k == 0 { 1.0 } else { 0.0 };
+            assert!((one.c[k] - unit).abs() < 1e-14, "cosh² - sinh², {k}");
+            assert!((tanh.c[k] - quotient.c[k]).abs() < 1e-14, "tanh, {k}");
+            assert!((tan.c[k] - ratio.c[k]).abs() < 1e-13, "tan, {k}");
+            assert!((angle.c[k] - x.c[k]).abs() < 1e-14, "atan2, {k}");
+        }
     }
 }
