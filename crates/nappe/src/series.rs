@@ -213,7 +213,11 @@ impl<S: Scalar> Series<S> {
                 // The coefficient of order k - j of 1 + sign y².
                 let m = k - j;
                 let y2 = (0..=m).fold(S::ZERO, |acc, i| acc + c[i] * c[m - i]);
-                let g = if m == 0 { S::ONE + sign * value.sqr() } else { sign * y2 };
+                let g = if m == 0 {
+                    S::ONE + sign * value.sqr()
+                } else {
+                    sign * y2
+                };
                 sum = sum + S::from(j as f64) * self.c[j] * g;
             }
             c.push(sum / S::from(k as f64));

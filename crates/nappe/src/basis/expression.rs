@@ -41,7 +41,8 @@ impl ExpressionFunctions {
             .into_iter()
             .enumerate()
             .map(|(index, b)| {
-                Function::new(b, domain).map_err(|error| ExpressionFunctionsError::Function { index, error })
+                Function::new(b, domain)
+                    .map_err(|error| ExpressionFunctionsError::Function { index, error })
             })
             .collect::<Result<Vec<_>, _>>()?;
         if functions.is_empty() {
@@ -57,7 +58,13 @@ impl ExpressionFunctions {
     }
 
     /// Writes the list of each function into the rows of all.
-    fn rows<T: Copy>(&self, order: usize, zero: T, out: &mut [T], eval: impl Fn(&Function, &mut [T])) {
+    fn rows<T: Copy>(
+        &self,
+        order: usize,
+        zero: T,
+        out: &mut [T],
+        eval: impl Fn(&Function, &mut [T]),
+    ) {
         let n = self.functions.len();
         let mut d: SmallVec<[T; 6]> = SmallVec::from_elem(zero, order + 1);
         for (i, f) in self.functions.iter().enumerate() {
@@ -80,7 +87,9 @@ impl Functions for ExpressionFunctions {
         self.rows(order, 0.0, out, |f, d| f.jet_into(t, limit, d));
     }
     fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]) {
-        self.rows(order, Interval::ENTIRE, out, |f, d| f.enclose_piece(t, limit, d));
+        self.rows(order, Interval::ENTIRE, out, |f, d| {
+            f.enclose_piece(t, limit, d)
+        });
     }
 }
 
@@ -107,8 +116,15 @@ mod tests {
             b.enclose_piece(Interval::UNIT, Limit::Above, 2, &mut e);
             assert!(e.iter().zip(&d).all(|(e, d)| e.contains(*d)));
         }
-        assert!(matches!(ExpressionFunctions::new([], [0.0, 1.0]), Err(ExpressionFunctionsError::Empty)));
+        assert!(matches!(
+            ExpressionFunctions::new([], [0.0, 1.0]),
+            Err(ExpressionFunctionsError::Empty)
+        ));
         let e = ExpressionFunctions::new(["t", "1/t"].iter().map(bound), [0.0, 1.0]).unwrap_err();
-        assert!(e.to_string().starts_with("function 1: division by zero at t = 0"), "{e}");
+        assert!(
+            e.to_string()
+                .starts_with("function 1: division by zero at t = 0"),
+            "{e}"
+        );
     }
 }

@@ -190,5 +190,7 @@ impl Functions for Stack {
 }
 
 mod bspline;
+mod expression;
 
 pub use bspline::{BSplineBasis, KnotError};
+pub use expression::{ExpressionFunctions, ExpressionFunctionsError};

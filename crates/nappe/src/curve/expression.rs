@@ -38,14 +38,21 @@ pub enum ExpressionCurveError {
 
 impl ExpressionCurve {
     /// The curve with the given coordinates over the domain `[from, to]`.
-    pub fn new(coordinates: [crate::expr::Bound; 3], domain: [f64; 2]) -> Result<Self, ExpressionCurveError> {
+    pub fn new(
+        coordinates: [crate::expr::Bound; 3],
+        domain: [f64; 2],
+    ) -> Result<Self, ExpressionCurveError> {
         let make = |coordinate: usize, bound: crate::expr::Bound| {
-            Function::new(bound, domain).map_err(|error| ExpressionCurveError::Coordinate { coordinate, error })
+            Function::new(bound, domain)
+                .map_err(|error| ExpressionCurveError::Coordinate { coordinate, error })
         };
         let [x, y, z] = coordinates;
         let coordinates = [make(0, x)?, make(1, y)?, make(2, z)?];
         let breaks = merge_breaks(coordinates.iter().map(Function::breaks));
-        Ok(Self { coordinates, breaks })
+        Ok(Self {
+            coordinates,
+            breaks,
+        })
     }
 
     /// The functions of the coordinates.
@@ -70,12 +77,17 @@ impl Curve for ExpressionCurve {
     }
 
     fn enclose_piece(&self, t: Interval, limit: Limit, out: &mut [Box3]) {
-        let mut d: [SmallVec<[Interval; 6]>; 3] = std::array::from_fn(|_| SmallVec::from_elem(Interval::ENTIRE, out.len()));
+        let mut d: [SmallVec<[Interval; 6]>; 3] =
+            std::array::from_fn(|_| SmallVec::from_elem(Interval::ENTIRE, out.len()));
         for (f, d) in self.coordinates.iter().zip(&mut d) {
             f.enclose_piece(t, limit, d);
         }
         for (k, o) in out.iter_mut().enumerate() {
-            *o = Box3 { x: d[0][k], y: d[1][k], z: d[2][k] };
+            *o = Box3 {
+                x: d[0][k],
+                y: d[1][k],
+                z: d[2][k],
+            };
         }
     }
 }
@@ -87,7 +99,10 @@ mod tests {
     use crate::laws;
 
     fn bound(text: &str) -> Bound {
-        Expr::parse(text).unwrap().bind(&["t"], &[("a", 2.0)]).unwrap()
+        Expr::parse(text)
+            .unwrap()
+            .bind(&["t"], &[("a", 2.0)])
+            .unwrap()
     }
 
     fn curve(x: &str, y: &str, z: &str, domain: [f64; 2]) -> ExpressionCurve {
@@ -98,14 +113,28 @@ mod tests {
     fn laws_hold_for_expressions() {
         laws::curve(&curve("a*cos(tau*t)", "a*sin(tau*t)", "t/3", [0.0, 1.0]));
         laws::curve(&curve("t", "exp(-t^2)", "ln(2+t)*tanh(t)", [-1.0, 2.0]));
-        laws::curve(&curve("abs(t-0.3)", "if(t<0.5, t, 1-t)", "max(t, t^2)", [0.0, 1.0]));
-        laws::curve(&curve("1e6*t", "1e6+sqrt(1+t^2)", "1e6*atan2(t, 2)", [0.0, 3.0]));
+        laws::curve(&curve(
+            "abs(t-0.3)",
+            "if(t<0.5, t, 1-t)",
+            "max(t, t^2)",
+            [0.0, 1.0],
+        ));
+        laws::curve(&curve(
+            "1e6*t",
+            "1e6+sqrt(1+t^2)",
+            "1e6*atan2(t, 2)",
+            [0.0, 3.0],
+        ));
         laws::curve(&curve("1e-6*t", "1e-6*sinh(t)", "1e-6*t^2.5", [0.5, 1.0]));
     }
 
     #[test]
     fn a_coordinate_without_value_is_named() {
-        let e = ExpressionCurve::new([bound("t"), bound("1/(t-0.5)"), bound("0")], [0.0, 1.0]).unwrap_err();
-        assert_eq!(e.to_string(), "y: division by zero at t = 0.5 in `1/(t-0.5)`");
+        let e = ExpressionCurve::new([bound("t"), bound("1/(t-0.5)"), bound("0")], [0.0, 1.0])
+            .unwrap_err();
+        assert_eq!(
+            e.to_string(),
+            "y: division by zero at t = 0.5 in `1/(t-0.5)`"
+        );
     }
 }

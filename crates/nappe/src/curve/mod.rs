@@ -10,6 +10,10 @@ use smallvec::SmallVec;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+mod expression;
+
+pub use expression::{ExpressionCurve, ExpressionCurveError};
+
 /// The highest order of derivative that callers may rely on, of curves and surfaces. Higher orders work, but their
 /// accuracy is not tested.
 pub const MAX_ORDER: usize = 8;

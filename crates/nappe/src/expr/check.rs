@@ -1,8 +1,8 @@
 //! Proof that an expression has a finite value and derivative everywhere in a domain, or the place where it has not.
 
+use super::Bound;
 use super::error::{EvalError, Fault, FaultKind};
 use super::pieces::Pieces;
-use super::Bound;
 use crate::interval::Interval;
 use crate::series::Series;
 
@@ -39,18 +39,26 @@ pub(super) fn check(bound: &Bound, pieces: &Pieces) -> Finding {
         while !level.is_empty() {
             let mut next = Vec::new();
             for cell in level {
-                let Some(doubt) = doubt(bound, pieces, i, cell) else { continue };
+                let Some(doubt) = doubt(bound, pieces, i, cell) else {
+                    continue;
+                };
                 let m = cell.mid();
                 if let Some(e) = sample(bound, pieces, i, m) {
                     return Finding::Bad(e);
                 }
                 if budget > 0 && cell.hi - cell.lo > narrow {
                     budget -= 1;
-                    next.extend([Interval { lo: cell.lo, hi: m }, Interval { lo: m, hi: cell.hi }]);
+                    next.extend([
+                        Interval { lo: cell.lo, hi: m },
+                        Interval { lo: m, hi: cell.hi },
+                    ]);
                     continue;
                 }
                 // In a few doubles around m a denominator or pole cannot be told from zero.
-                let vanishing = matches!(doubt.kind, FaultKind::DivisionByZero(_) | FaultKind::Pole(_));
+                let vanishing = matches!(
+                    doubt.kind,
+                    FaultKind::DivisionByZero(_) | FaultKind::Pole(_)
+                );
                 let error = bound.located(doubt, &[m]);
                 if vanishing && cell.hi - cell.lo <= narrow {
                     return Finding::Bad(error);
@@ -70,7 +78,10 @@ fn doubt(bound: &Bound, pieces: &Pieces, piece: usize, t: Interval) -> Option<Fa
     match run.result() {
         Err(fault) => Some(fault),
         Ok(s) => run.doubt.take().or_else(|| {
-            (!s.c[1].is_finite()).then(|| Fault { span: 0..bound.text().len(), kind: FaultKind::NoDerivative })
+            (!s.c[1].is_finite()).then(|| Fault {
+                span: 0..bound.text().len(),
+                kind: FaultKind::NoDerivative,
+            })
         }),
     }
 }
@@ -81,7 +92,10 @@ fn sample(bound: &Bound, pieces: &Pieces, piece: usize, t: f64) -> Option<EvalEr
     let fault = match pieces.run(bound, piece, &variable).result() {
         Err(fault) => fault,
         Ok(s) if s.c.iter().all(|c| c.is_finite()) => return None,
-        Ok(_) => Fault { span: 0..bound.text().len(), kind: FaultKind::NoDerivative },
+        Ok(_) => Fault {
+            span: 0..bound.text().len(),
+            kind: FaultKind::NoDerivative,
+        },
     };
     Some(bound.located(fault, &[t]))
 }

@@ -176,8 +176,12 @@ impl fmt::Display for FaultKind {
             FaultKind::DivisionByZero(_) => write!(f, "division by zero"),
             FaultKind::RootOfNegative(x) => write!(f, "square root of the negative number {x}"),
             FaultKind::LogOfNonPositive(x) => write!(f, "logarithm of {x}, which is not positive"),
-            FaultKind::ArcOutOfRange(x) => write!(f, "inverse sine or cosine of {x}, which is beyond 1"),
-            FaultKind::PowerOfNegative(a, b) => write!(f, "the number {a} to the power {b}, which is not real"),
+            FaultKind::ArcOutOfRange(x) => {
+                write!(f, "inverse sine or cosine of {x}, which is beyond 1")
+            }
+            FaultKind::PowerOfNegative(a, b) => {
+                write!(f, "the number {a} to the power {b}, which is not real")
+            }
             FaultKind::NoDirection => write!(f, "atan2 of two zeros"),
             FaultKind::Pole(x) => write!(f, "tangent at its pole {x}"),
             FaultKind::Overflow => write!(f, "result too large for a double"),
@@ -216,11 +220,15 @@ impl EvalError {
             FaultKind::DivisionByZero(_) => {
                 "change the formula or its domain so that the denominator keeps away from zero, or use if(c, a, b)"
             }
-            FaultKind::RootOfNegative(_) | FaultKind::LogOfNonPositive(_) | FaultKind::ArcOutOfRange(_) => {
+            FaultKind::RootOfNegative(_)
+            | FaultKind::LogOfNonPositive(_)
+            | FaultKind::ArcOutOfRange(_) => {
                 "keep the argument in range, for example with max(…, 0), or shorten the domain"
             }
             FaultKind::PowerOfNegative(..) => "use an integer exponent, or abs(…) for the base",
-            FaultKind::NoDirection | FaultKind::Pole(_) => "shorten the domain, or change the formula there",
+            FaultKind::NoDirection | FaultKind::Pole(_) => {
+                "shorten the domain, or change the formula there"
+            }
             FaultKind::Overflow => "check the units and exponents",
             FaultKind::NoDerivative => {
                 "choose another parameter: cos and sin of t for an arc written with a root, a power for t"

@@ -39,7 +39,14 @@ impl<'a, S: Number> Run<'a, S> {
         order: usize,
         forced: Option<&'a [Option<f64>]>,
     ) -> Self {
-        Self { bound, variables, order, forced, outcomes: vec![Outcome::Free; bound.switches], doubt: None }
+        Self {
+            bound,
+            variables,
+            order,
+            forced,
+            outcomes: vec![Outcome::Free; bound.switches],
+            doubt: None,
+        }
     }
 
     /// The value of the whole, or the part that has none anywhere in the range.
@@ -52,7 +59,10 @@ impl<'a, S: Number> Run<'a, S> {
     }
 
     fn fault(&self, node: u32, kind: FaultKind) -> Fault {
-        Fault { span: self.bound.expr.nodes[node as usize].span.clone(), kind }
+        Fault {
+            span: self.bound.expr.nodes[node as usize].span.clone(),
+            kind,
+        }
     }
 
     /// Something that cannot be (`never`) or may not be (otherwise).
@@ -67,7 +77,9 @@ impl<'a, S: Number> Run<'a, S> {
 
     /// The formula that holds at a switch: that of the piece, or what the values say.
     fn decide(&mut self, node: u32, by_value: Option<f64>) -> Option<f64> {
-        let Some(i) = self.bound.switch[node as usize] else { return by_value };
+        let Some(i) = self.bound.switch[node as usize] else {
+            return by_value;
+        };
         if let Some(x) = self.forced.and_then(|f| f[i as usize]) {
             return Some(x);
         }
@@ -81,7 +93,11 @@ impl<'a, S: Number> Run<'a, S> {
         let bounded = if continuous { 2 } else { 1 };
         let c = (0..=self.order).map(|k| {
             let (x, y) = (a.c[k], b.c[k]);
-            if k < bounded { x.hull(y) } else { S::from_range(Interval::ENTIRE) }
+            if k < bounded {
+                x.hull(y)
+            } else {
+                S::from_range(Interval::ENTIRE)
+            }
         });
         Series { c: c.collect() }
     }
@@ -199,7 +215,11 @@ impl<'a, S: Number> Run<'a, S> {
     fn divide(&mut self, at: u32, x: &Series<S>, y: &Series<S>) -> Value<S> {
         let d = y.value().range();
         if d.contains(0.0) {
-            self.object(at, d == Interval::ZERO, FaultKind::DivisionByZero(x.value().mid()))?;
+            self.object(
+                at,
+                d == Interval::ZERO,
+                FaultKind::DivisionByZero(x.value().mid()),
+            )?;
         }
         Ok(x.div(y))
     }
@@ -308,18 +328,30 @@ impl<'a, S: Number> Run<'a, S> {
                     Some(_) => y,
                     None => {
                         let mut r = self.either(&x, &y, true);
-                        let value = if f == Func::Max { range.max(other) } else { range.min(other) };
+                        let value = if f == Func::Max {
+                            range.max(other)
+                        } else {
+                            range.min(other)
+                        };
                         r.c[0] = S::from_range(value);
                         r
                     }
                 }
             }
             Func::Floor | Func::Ceil => {
-                let round = if f == Func::Floor { f64::floor } else { f64::ceil };
+                let round = if f == Func::Floor {
+                    f64::floor
+                } else {
+                    f64::ceil
+                };
                 let (lo, hi) = (round(range.lo), round(range.hi));
                 match self.decide(at, (lo == hi).then_some(lo)) {
                     Some(level) => self.constant(S::from(level)),
-                    None => self.either(&self.constant(S::from(lo)), &self.constant(S::from(hi)), false),
+                    None => self.either(
+                        &self.constant(S::from(lo)),
+                        &self.constant(S::from(hi)),
+                        false,
+                    ),
                 }
             }
             Func::Atan2 => {
@@ -333,7 +365,11 @@ impl<'a, S: Number> Run<'a, S> {
     fn angle(&mut self, at: u32, y: &Series<S>, x: &Series<S>) -> Value<S> {
         let (ry, rx) = (y.value().range(), x.value().range());
         if ry.contains(0.0) && rx.contains(0.0) {
-            self.object(at, ry == Interval::ZERO && rx == Interval::ZERO, FaultKind::NoDirection)?;
+            self.object(
+                at,
+                ry == Interval::ZERO && rx == Interval::ZERO,
+                FaultKind::NoDirection,
+            )?;
         }
         let mut r = y.atan2(x, S::atan2(y.value(), x.value()));
         if rx.hi >= 0.0 {
@@ -408,36 +444,63 @@ impl Bound {
 
     /// The Taylor series over one number: in the direction of the variable `along`, or just the value.
     /// Panics if fewer variables are given than were bound.
-    pub fn derivatives(&self, variables: &[f64], along: Option<usize>, order: usize) -> Result<Series<f64>, EvalError> {
+    pub fn derivatives(
+        &self,
+        variables: &[f64],
+        along: Option<usize>,
+        order: usize,
+    ) -> Result<Series<f64>, EvalError> {
         let series: Vec<Series<f64>> = variables
             .iter()
             .enumerate()
-            .map(|(i, &x)| if Some(i) == along { Series::variable(x, order) } else { Series::constant(x, order) })
+            .map(|(i, &x)| {
+                if Some(i) == along {
+                    Series::variable(x, order)
+                } else {
+                    Series::constant(x, order)
+                }
+            })
             .collect();
-        self.series(&series, order).map_err(|fault| self.located(fault, variables))
+        self.series(&series, order)
+            .map_err(|fault| self.located(fault, variables))
     }
 
     /// The expression of series: derivatives over `f64`, enclosures of them over [`Interval`]. Where an enclosure
     /// cannot be given it is [`Interval::ENTIRE`]; the error says that there is no value anywhere in the range.
     /// Panics if fewer variables are given than were bound.
-    pub fn series<S: Number>(&self, variables: &[Series<S>], order: usize) -> Result<Series<S>, Fault> {
-        assert!(variables.len() >= self.variables.len(), "one series for each variable");
+    pub fn series<S: Number>(
+        &self,
+        variables: &[Series<S>],
+        order: usize,
+    ) -> Result<Series<S>, Fault> {
+        assert!(
+            variables.len() >= self.variables.len(),
+            "one series for each variable"
+        );
         Run::new(self, variables, order, None).result()
     }
 
     /// The value of an inner node without variables.
     pub(super) fn constant_value(&self, node: u32) -> Option<f64> {
-        Run::<f64>::new(self, &[], 0, None).node(node).ok().map(|s| s.value())
+        Run::<f64>::new(self, &[], 0, None)
+            .node(node)
+            .ok()
+            .map(|s| s.value())
     }
 
     /// A fault with its text and the place where it was found.
     pub(super) fn located(&self, fault: Fault, variables: &[f64]) -> EvalError {
-        let used = |i: &usize| {
-            self.meanings.contains(&Meaning::Variable(*i))
-        };
+        let used = |i: &usize| self.meanings.contains(&Meaning::Variable(*i));
         EvalError {
-            part: self.text().get(fault.span.clone()).unwrap_or_default().to_owned(),
-            at: (0..self.variables.len()).filter(used).map(|i| (self.variables[i].clone(), variables[i])).collect(),
+            part: self
+                .text()
+                .get(fault.span.clone())
+                .unwrap_or_default()
+                .to_owned(),
+            at: (0..self.variables.len())
+                .filter(used)
+                .map(|i| (self.variables[i].clone(), variables[i]))
+                .collect(),
             fault,
         }
     }

@@ -1,9 +1,9 @@
 //! A checked expression over a domain.
 
+use super::Bound;
 use super::check::{Finding, check};
 use super::error::EvalError;
 use super::pieces::{Pieces, pieces};
-use super::Bound;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::interval::Interval;
 use crate::series::Series;
@@ -66,7 +66,11 @@ impl Function {
             Finding::Undecided(e) => Some(e),
             Finding::Bad(e) => return Err(e.into()),
         };
-        Ok(Self { bound: Arc::new(bound), pieces: Arc::new(pieces), undecided })
+        Ok(Self {
+            bound: Arc::new(bound),
+            pieces: Arc::new(pieces),
+            undecided,
+        })
     }
 
     /// The expression.
@@ -76,7 +80,9 @@ impl Function {
 
     /// What is known of the value being finite.
     pub fn finding(&self) -> Finding {
-        self.undecided.clone().map_or(Finding::Proven, Finding::Undecided)
+        self.undecided
+            .clone()
+            .map_or(Finding::Proven, Finding::Undecided)
     }
 
     /// The parameters where formulas change, with the ends of the domain first and last.

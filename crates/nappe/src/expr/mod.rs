@@ -88,8 +88,8 @@ pub(crate) const TABLE: [(&str, Func, usize); 18] = [
 
 /// The functions an expression may call.
 pub const FUNCTIONS: [&str; 19] = [
-    "sqrt", "exp", "ln", "abs", "min", "max", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh",
-    "tanh", "floor", "ceil", "if",
+    "sqrt", "exp", "ln", "abs", "min", "max", "sin", "cos", "tan", "asin", "acos", "atan", "atan2",
+    "sinh", "cosh", "tanh", "floor", "ceil", "if",
 ];
 
 /// A comparison.
@@ -134,7 +134,10 @@ impl Op {
     /// True if the value is given by different formulas on different sides of a switch.
     pub(crate) fn is_switch(self) -> bool {
         use Func::*;
-        matches!(self, Op::Compare(_) | Op::If | Op::Call(Abs | Min | Max | Floor | Ceil | Atan2))
+        matches!(
+            self,
+            Op::Compare(_) | Op::If | Op::Call(Abs | Min | Max | Floor | Ceil | Atan2)
+        )
     }
 }
 
@@ -168,17 +171,25 @@ impl Expr {
 
     /// The names used, except `pi`, `tau` and `e`, each once, with the byte range of its first use.
     pub fn names(&self) -> impl Iterator<Item = (&str, Range<usize>)> {
-        self.names.iter().enumerate().filter(|(_, n)| !CONSTANTS.contains(&n.as_str())).map(|(i, n)| {
-            let first = self.nodes.iter().find(|x| x.op == Op::Name(i as u32));
-            (n.as_str(), first.map_or(0..0, |x| x.span.clone()))
-        })
+        self.names
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| !CONSTANTS.contains(&n.as_str()))
+            .map(|(i, n)| {
+                let first = self.nodes.iter().find(|x| x.op == Op::Name(i as u32));
+                (n.as_str(), first.map_or(0..0, |x| x.span.clone()))
+            })
     }
 
     /// True if the two have the same structure (texts and places may differ).
     pub fn same(&self, other: &Expr) -> bool {
         self.names == other.names
             && self.nodes.len() == other.nodes.len()
-            && self.nodes.iter().zip(&other.nodes).all(|(a, b)| a.op == b.op && a.args == b.args)
+            && self
+                .nodes
+                .iter()
+                .zip(&other.nodes)
+                .all(|(a, b)| a.op == b.op && a.args == b.args)
     }
 
     /// Gives every name a meaning: one of the free `variables` (by position), or the value that `value` knows.
@@ -199,8 +210,18 @@ impl Expr {
             } else if let Some(k) = CONSTANTS.iter().position(|c| c == name) {
                 [Meaning::Pi, Meaning::Tau, Meaning::E][k]
             } else {
-                let span = self.nodes.iter().find(|x| x.op == Op::Name(i as u32)).map_or(0..0, |x| x.span.clone());
-                let known = || variables.iter().copied().chain(values.iter().map(|v| v.0)).chain(CONSTANTS);
+                let span = self
+                    .nodes
+                    .iter()
+                    .find(|x| x.op == Op::Name(i as u32))
+                    .map_or(0..0, |x| x.span.clone());
+                let known = || {
+                    variables
+                        .iter()
+                        .copied()
+                        .chain(values.iter().map(|v| v.0))
+                        .chain(CONSTANTS)
+                };
                 unknown.push(UnknownName {
                     name: name.clone(),
                     span,
@@ -214,7 +235,11 @@ impl Expr {
         if !unknown.is_empty() {
             return Err(unknown);
         }
-        Ok(Bound::new(self.clone(), meanings, variables.iter().map(|v| (*v).to_owned()).collect()))
+        Ok(Bound::new(
+            self.clone(),
+            meanings,
+            variables.iter().map(|v| (*v).to_owned()).collect(),
+        ))
     }
 }
 
@@ -278,8 +303,9 @@ impl Bound {
             let node = &bound.expr.nodes[i];
             if node.op == Op::Pow && bound.constant[node.args[1] as usize] {
                 let x = bound.constant_value(node.args[1]);
-                bound.integer[i] =
-                    x.filter(|x| x.fract() == 0.0 && x.abs() <= MAX_INTEGER_POWER).map(|x| x as i32);
+                bound.integer[i] = x
+                    .filter(|x| x.fract() == 0.0 && x.abs() <= MAX_INTEGER_POWER)
+                    .map(|x| x as i32);
             }
         }
         bound

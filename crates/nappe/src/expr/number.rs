@@ -66,7 +66,10 @@ impl Number for Interval {
         } else if y.hi < 0.0 {
             -quarter - (x / y).atan()
         } else {
-            Interval { lo: -Interval::pi().hi, hi: Interval::pi().hi }
+            Interval {
+                lo: -Interval::pi().hi,
+                hi: Interval::pi().hi,
+            }
         }
     }
 }

@@ -13,7 +13,9 @@ enum Token<'a> {
     End,
 }
 
-const SIGNS: [&str; 14] = ["<=", ">=", "==", "!=", "<", ">", "+", "-", "*", "/", "^", "(", ")", ","];
+const SIGNS: [&str; 14] = [
+    "<=", ">=", "==", "!=", "<", ">", "+", "-", "*", "/", "^", "(", ")", ",",
+];
 
 /// Binding strengths: the loosest is 1.
 const COMPARE: u8 = 1;
@@ -38,10 +40,16 @@ type Parsed = Result<u32, ParseError>;
 
 pub(super) fn parse(text: &str) -> Result<Expr, ParseError> {
     if text.len() > MAX_LENGTH {
-        return Err(ParseError { span: 0..0, kind: ParseErrorKind::TooLong(text.len()) });
+        return Err(ParseError {
+            span: 0..0,
+            kind: ParseErrorKind::TooLong(text.len()),
+        });
     }
     if text.trim().is_empty() {
-        return Err(ParseError { span: 0..text.len(), kind: ParseErrorKind::Empty });
+        return Err(ParseError {
+            span: 0..text.len(),
+            kind: ParseErrorKind::Empty,
+        });
     }
     let mut p = Parser {
         text,
@@ -57,12 +65,19 @@ pub(super) fn parse(text: &str) -> Result<Expr, ParseError> {
     if p.token != Token::End {
         return Err(p.unexpected_after_value());
     }
-    Ok(Expr { text: text.into(), nodes: p.nodes, names: p.names })
+    Ok(Expr {
+        text: text.into(),
+        nodes: p.nodes,
+        names: p.names,
+    })
 }
 
 impl<'a> Parser<'a> {
     fn error(&self, kind: ParseErrorKind) -> ParseError {
-        ParseError { span: self.span.clone(), kind }
+        ParseError {
+            span: self.span.clone(),
+            kind,
+        }
     }
 
     /// The token at hand, for a message.
@@ -76,9 +91,14 @@ impl<'a> Parser<'a> {
     fn unexpected_after_value(&self) -> ParseError {
         match self.token {
             Token::Number(_) | Token::Name(_) | Token::Sign("(") => {
-                self.error(ParseErrorKind::MissingOperator { before: self.text[self.span.clone()].into() })
+                self.error(ParseErrorKind::MissingOperator {
+                    before: self.text[self.span.clone()].into(),
+                })
             }
-            _ => self.error(ParseErrorKind::Expected { expected: "an operator or the end", found: self.found() }),
+            _ => self.error(ParseErrorKind::Expected {
+                expected: "an operator or the end",
+                found: self.found(),
+            }),
         }
     }
 
@@ -92,7 +112,8 @@ impl<'a> Parser<'a> {
             self.token = Token::End;
             return Ok(());
         };
-        if first.is_ascii_digit() || (first == '.' && bytes.get(1).is_some_and(u8::is_ascii_digit)) {
+        if first.is_ascii_digit() || (first == '.' && bytes.get(1).is_some_and(u8::is_ascii_digit))
+        {
             let len = number_length(bytes);
             self.span = start..start + len;
             let x: f64 = rest[..len].parse().unwrap_or(f64::INFINITY);
@@ -101,7 +122,9 @@ impl<'a> Parser<'a> {
             }
             self.token = Token::Number(x);
         } else if first.is_alphabetic() || first == '_' {
-            let len = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
+            let len = rest
+                .find(|c: char| !(c.is_alphanumeric() || c == '_'))
+                .unwrap_or(rest.len());
             self.span = start..start + len;
             self.token = Token::Name(&rest[..len]);
         } else if let Some(sign) = SIGNS.iter().find(|s| rest.starts_with(**s)) {
@@ -115,9 +138,16 @@ impl<'a> Parser<'a> {
     }
 
     fn node(&mut self, op: Op, args: &[u32], span: Range<usize>) -> Parsed {
-        let depth = 1 + args.iter().map(|&a| self.depths[a as usize]).max().unwrap_or(0);
+        let depth = 1 + args
+            .iter()
+            .map(|&a| self.depths[a as usize])
+            .max()
+            .unwrap_or(0);
         if depth > MAX_DEPTH {
-            return Err(ParseError { span, kind: ParseErrorKind::TooDeep });
+            return Err(ParseError {
+                span,
+                kind: ParseErrorKind::TooDeep,
+            });
         }
         let mut a = [0; 3];
         a[..args.len()].copy_from_slice(args);
@@ -139,7 +169,9 @@ impl<'a> Parser<'a> {
         let start = self.span.start;
         let mut left = self.operand()?;
         while let Token::Sign(sign) = self.token {
-            let Some((op, strength, right)) = binary(sign) else { break };
+            let Some((op, strength, right)) = binary(sign) else {
+                break;
+            };
             if strength < least {
                 break;
             }
@@ -177,12 +209,19 @@ impl<'a> Parser<'a> {
                     return self.call(name, span);
                 }
                 if FUNCTIONS.contains(&name) {
-                    return Err(ParseError { span, kind: ParseErrorKind::FunctionWithoutBrackets(name.into()) });
+                    return Err(ParseError {
+                        span,
+                        kind: ParseErrorKind::FunctionWithoutBrackets(name.into()),
+                    });
                 }
-                let i = self.names.iter().position(|n| n == name).unwrap_or_else(|| {
-                    self.names.push(name.to_owned());
-                    self.names.len() - 1
-                });
+                let i = self
+                    .names
+                    .iter()
+                    .position(|n| n == name)
+                    .unwrap_or_else(|| {
+                        self.names.push(name.to_owned());
+                        self.names.len() - 1
+                    });
                 self.node(Op::Name(i as u32), &[], span)
             }
             Token::Sign("-") => {
@@ -201,14 +240,20 @@ impl<'a> Parser<'a> {
                 self.close(span)?;
                 Ok(inner)
             }
-            _ => Err(self.error(ParseErrorKind::Expected { expected: "a value", found: self.found() })),
+            _ => Err(self.error(ParseErrorKind::Expected {
+                expected: "a value",
+                found: self.found(),
+            })),
         }
     }
 
     fn close(&mut self, open: Range<usize>) -> Result<(), ParseError> {
         match self.token {
             Token::Sign(")") => self.advance(),
-            Token::End => Err(ParseError { span: open, kind: ParseErrorKind::Unclosed }),
+            Token::End => Err(ParseError {
+                span: open,
+                kind: ParseErrorKind::Unclosed,
+            }),
             Token::Sign(",") => Err(self.error(ParseErrorKind::BadCharacter(','))),
             _ => Err(self.unexpected_after_value()),
         }
@@ -219,7 +264,10 @@ impl<'a> Parser<'a> {
             Some(x) => Op::Call(x.1),
             None if name == "if" => Op::If,
             None => {
-                let kind = ParseErrorKind::UnknownFunction { name: name.into(), near: nearest(name, FUNCTIONS) };
+                let kind = ParseErrorKind::UnknownFunction {
+                    name: name.into(),
+                    near: nearest(name, FUNCTIONS),
+                };
                 return Err(ParseError { span, kind });
             }
         };
@@ -236,9 +284,15 @@ impl<'a> Parser<'a> {
         let end = self.span.end;
         self.close(open)?;
         if args.len() != op.arguments() {
-            let kind =
-                ParseErrorKind::WrongCount { name: name.into(), expected: op.arguments(), found: args.len() };
-            return Err(ParseError { span: span.start..end, kind });
+            let kind = ParseErrorKind::WrongCount {
+                name: name.into(),
+                expected: op.arguments(),
+                found: args.len(),
+            };
+            return Err(ParseError {
+                span: span.start..end,
+                kind,
+            });
         }
         self.node(op, &args, span.start..end)
     }

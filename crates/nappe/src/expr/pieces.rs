@@ -56,7 +56,10 @@ pub(super) fn pieces(bound: &Bound, domain: Interval) -> Pieces {
     }
     let mut merged: Vec<Cell> = Vec::new();
     for cell in cells(bound, domain) {
-        match merged.last_mut().and_then(|last| Some((join(last, &cell)?, last))) {
+        match merged
+            .last_mut()
+            .and_then(|last| Some((join(last, &cell)?, last)))
+        {
             Some((choice, last)) => {
                 last.choice = choice;
                 last.t.hi = cell.t.hi;
@@ -65,7 +68,10 @@ pub(super) fn pieces(bound: &Bound, domain: Interval) -> Pieces {
         }
     }
     let cells = absorb_narrow(bound, merged, domain);
-    let choices: Vec<Choice> = cells.iter().map(|c| c.choice.iter().map(known).collect()).collect();
+    let choices: Vec<Choice> = cells
+        .iter()
+        .map(|c| c.choice.iter().map(known).collect())
+        .collect();
     let mut breaks = vec![Break::new(domain.lo, 0)];
     for (i, cell) in cells.iter().enumerate().skip(1) {
         let smooth = smoothness(bound, domain, cell.t.lo, [&choices[i - 1], &choices[i]]);
@@ -95,10 +101,14 @@ fn outcomes<S: Number>(bound: &Bound, t: S) -> Vec<Outcome> {
 fn cells(bound: &Bound, domain: Interval) -> Vec<Cell> {
     let narrow = domain.mag() * NARROW;
     let mut done = Vec::new();
-    let mut level = vec![Cell { t: domain, choice: outcomes(bound, domain) }];
+    let mut level = vec![Cell {
+        t: domain,
+        choice: outcomes(bound, domain),
+    }];
     for _ in 0..MAX_LEVELS {
-        let (open, closed): (Vec<Cell>, Vec<Cell>) =
-            level.into_iter().partition(|c| c.is_open() && c.t.hi - c.t.lo > narrow);
+        let (open, closed): (Vec<Cell>, Vec<Cell>) = level
+            .into_iter()
+            .partition(|c| c.is_open() && c.t.hi - c.t.lo > narrow);
         done.extend(closed);
         if open.is_empty() || open.len() > MAX_CELLS {
             done.extend(open);
@@ -108,9 +118,15 @@ fn cells(bound: &Bound, domain: Interval) -> Vec<Cell> {
             .into_iter()
             .flat_map(|c| {
                 let m = c.t.mid();
-                [Interval { lo: c.t.lo, hi: m }, Interval { lo: m, hi: c.t.hi }]
+                [
+                    Interval { lo: c.t.lo, hi: m },
+                    Interval { lo: m, hi: c.t.hi },
+                ]
             })
-            .map(|t| Cell { t, choice: outcomes(bound, t) })
+            .map(|t| Cell {
+                t,
+                choice: outcomes(bound, t),
+            })
             .collect();
     }
     done.sort_by(|a, b| a.t.lo.total_cmp(&b.t.lo));
@@ -139,7 +155,10 @@ fn absorb_narrow(bound: &Bound, cells: Vec<Cell>, domain: Interval) -> Vec<Cell>
     for mut cell in cells {
         if cell.is_open() && cell.t.hi - cell.t.lo <= narrow {
             let from = pending.map_or(cell.t.lo, |p| p.lo);
-            pending = Some(Interval { lo: from, hi: cell.t.hi });
+            pending = Some(Interval {
+                lo: from,
+                hi: cell.t.hi,
+            });
             continue;
         }
         match (pending.take(), out.last_mut()) {
@@ -170,7 +189,10 @@ fn absorb_narrow(bound: &Bound, cells: Vec<Cell>, domain: Interval) -> Vec<Cell>
     if let Some(gap) = pending {
         match out.last_mut() {
             Some(last) => last.t.hi = gap.hi,
-            None => out.push(Cell { t: gap, choice: outcomes(bound, gap) }),
+            None => out.push(Cell {
+                t: gap,
+                choice: outcomes(bound, gap),
+            }),
         }
     }
     out
@@ -185,7 +207,10 @@ fn first_of(bound: &Bound, left: &Cell, gap: Interval) -> f64 {
         if m <= lo || m >= hi {
             break;
         }
-        let here = Cell { t: Interval::point(m), choice: outcomes(bound, m) };
+        let here = Cell {
+            t: Interval::point(m),
+            choice: outcomes(bound, m),
+        };
         if join(left, &here).is_some() {
             lo = m;
         } else {
@@ -199,7 +224,9 @@ fn first_of(bound: &Bound, left: &Cell, gap: Interval) -> f64 {
 fn smoothness(bound: &Bound, domain: Interval, at: f64, choices: [&Choice; 2]) -> i32 {
     let variable = [Series::variable(at, MAX_ORDER)];
     let side = |c: &Choice| Run::<f64>::new(bound, &variable, MAX_ORDER, Some(c)).result();
-    let (Ok(a), Ok(b)) = (side(choices[0]), side(choices[1])) else { return -1 };
+    let (Ok(a), Ok(b)) = (side(choices[0]), side(choices[1])) else {
+        return -1;
+    };
     let h = domain.hi - domain.lo;
     let mut scale = 0.0f64;
     let mut power = 1.0;

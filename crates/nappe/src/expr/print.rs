@@ -53,7 +53,11 @@ impl Expr {
                 infix(sign, 2, 2)?;
             }
             Op::If | Op::Call(_) => {
-                let name = if let Op::Call(g) = n.op { name_of(g) } else { "if" };
+                let name = if let Op::Call(g) = n.op {
+                    name_of(g)
+                } else {
+                    "if"
+                };
                 write!(f, "{name}(")?;
                 for (i, x) in [a, b, c].into_iter().take(n.op.arguments()).enumerate() {
                     if i > 0 {

@@ -15,7 +15,9 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .filter(|c| c.len() <= MAX_NAME)
         .map(|c| (distance(&lower, &c.to_lowercase()), c))
         // A name of one letter is near to every other; only its case may be wrong.
-        .filter(|(d, c)| *d <= allowed && (*d == 0 || name.chars().count().max(c.chars().count()) > 1))
+        .filter(|(d, c)| {
+            *d <= allowed && (*d == 0 || name.chars().count().max(c.chars().count()) > 1)
+        })
         // `sine` means `sin` rather than `sinh`: letters added at the end are the commonest slip.
         .min_by_key(|(d, c)| (*d, !name.starts_with(c), c.len().abs_diff(name.len())))
         .map(|(_, c)| c)

@@ -47,29 +47,76 @@ fn operators_bind_as_in_mathematics() {
 fn errors_say_where_and_what() {
     let parse = |s: &str| Expr::parse(s).unwrap_err();
     let e = parse("2*sine(t)");
-    assert_eq!((e.span.clone(), e.to_string().as_str()), (2..6, "there is no function `sine`"));
+    assert_eq!(
+        (e.span.clone(), e.to_string().as_str()),
+        (2..6, "there is no function `sine`")
+    );
     assert!(e.help().contains("`sin`"), "{}", e.help());
     let e = parse("1 + (2*t");
-    assert_eq!((e.span.clone(), e.kind.clone()), (4..5, ParseErrorKind::Unclosed));
+    assert_eq!(
+        (e.span.clone(), e.kind.clone()),
+        (4..5, ParseErrorKind::Unclosed)
+    );
     let e = parse("2t");
     assert_eq!(e.span, 1..2);
     assert!(e.help().contains("2*t"), "{}", e.help());
-    assert!(matches!(parse("sqrt(1, 2)").kind, ParseErrorKind::WrongCount { expected: 1, found: 2, .. }));
-    assert!(matches!(parse("max()").kind, ParseErrorKind::WrongCount { expected: 2, found: 0, .. }));
-    assert!(matches!(parse("0 < t < 1").kind, ParseErrorKind::ChainedComparison));
-    assert!(matches!(parse("t $ 2").kind, ParseErrorKind::BadCharacter('$')));
+    assert!(matches!(
+        parse("sqrt(1, 2)").kind,
+        ParseErrorKind::WrongCount {
+            expected: 1,
+            found: 2,
+            ..
+        }
+    ));
+    assert!(matches!(
+        parse("max()").kind,
+        ParseErrorKind::WrongCount {
+            expected: 2,
+            found: 0,
+            ..
+        }
+    ));
+    assert!(matches!(
+        parse("0 < t < 1").kind,
+        ParseErrorKind::ChainedComparison
+    ));
+    assert!(matches!(
+        parse("t $ 2").kind,
+        ParseErrorKind::BadCharacter('$')
+    ));
     assert!(matches!(parse("1 +").kind, ParseErrorKind::Expected { .. }));
     assert!(matches!(parse("  ").kind, ParseErrorKind::Empty));
-    assert!(matches!(parse("sin t").kind, ParseErrorKind::FunctionWithoutBrackets(_)));
-    assert!(matches!(parse("1e999").kind, ParseErrorKind::NumberTooLarge(_)));
-    assert!(matches!(parse(&"1+".repeat(3000)).kind, ParseErrorKind::TooLong(6000)));
+    assert!(matches!(
+        parse("sin t").kind,
+        ParseErrorKind::FunctionWithoutBrackets(_)
+    ));
+    assert!(matches!(
+        parse("1e999").kind,
+        ParseErrorKind::NumberTooLarge(_)
+    ));
+    assert!(matches!(
+        parse(&"1+".repeat(3000)).kind,
+        ParseErrorKind::TooLong(6000)
+    ));
     for deep in ["(", "-", "2^", "sin(", "1+(", "if(1,"] {
-        assert!(matches!(parse(&deep.repeat(700)).kind, ParseErrorKind::TooDeep), "{deep}");
+        assert!(
+            matches!(parse(&deep.repeat(700)).kind, ParseErrorKind::TooDeep),
+            "{deep}"
+        );
     }
-    assert!(matches!(parse(&format!("1{}", "+1".repeat(300))).kind, ParseErrorKind::TooDeep));
-    let unknown = Expr::parse("radus*2 + zzz").unwrap().bind(&["t"], &[("radius", 2.0)]).unwrap_err();
+    assert!(matches!(
+        parse(&format!("1{}", "+1".repeat(300))).kind,
+        ParseErrorKind::TooDeep
+    ));
+    let unknown = Expr::parse("radus*2 + zzz")
+        .unwrap()
+        .bind(&["t"], &[("radius", 2.0)])
+        .unwrap_err();
     assert_eq!(unknown.len(), 2);
-    assert_eq!((unknown[0].near.as_deref(), unknown[0].span.clone()), (Some("radius"), 0..5));
+    assert_eq!(
+        (unknown[0].near.as_deref(), unknown[0].span.clone()),
+        (Some("radius"), 0..5)
+    );
     assert!(unknown[1].near.is_none() && unknown[1].help().contains("radius"));
 }
 
@@ -91,7 +138,10 @@ fn values_that_do_not_exist_are_located() {
 
 fn derivatives(text: &str, t: f64, order: usize) -> Vec<f64> {
     let mut d = vec![0.0; order + 1];
-    bound(text).derivatives(&[t], Some(0), order).unwrap().write_derivatives(&mut d);
+    bound(text)
+        .derivatives(&[t], Some(0), order)
+        .unwrap()
+        .write_derivatives(&mut d);
     d
 }
 
@@ -124,7 +174,11 @@ fn derivatives_are_the_symbolic_ones() {
         let (a, b) = (derivatives(f, 0.7, 6), derivatives(slope, 0.7, 5));
         for k in 0..6 {
             let (got, want) = (a[k + 1], b[k]);
-            assert!((got - want).abs() <= 1e-12 * want.abs().max(1.0), "{f}, order {}: {got} {want}", k + 1);
+            assert!(
+                (got - want).abs() <= 1e-12 * want.abs().max(1.0),
+                "{f}, order {}: {got} {want}",
+                k + 1
+            );
         }
     }
 }
@@ -133,7 +187,9 @@ fn derivatives_are_the_symbolic_ones() {
 fn powers_are_exact_at_zero() {
     assert_eq!(derivatives("t^3", 0.0, 4), [0.0, 0.0, 0.0, 6.0, 0.0]);
     assert_eq!(derivatives("t^1.5", 0.0, 1), [0.0, 0.0]);
-    let enclosed = bound("t^1.5").series(&[Series::variable(Interval::new(0.0, 0.25), 2)], 2).unwrap();
+    let enclosed = bound("t^1.5")
+        .series(&[Series::variable(Interval::new(0.0, 0.25), 2)], 2)
+        .unwrap();
     assert!(enclosed.c[0].encloses(Interval::new(0.0, 0.125)) && enclosed.c[0].hi < 0.1251);
     assert!(enclosed.c[1].is_finite() && !enclosed.c[2].is_finite());
 }
@@ -150,19 +206,31 @@ fn breaks_are_found_to_the_double() {
         ("abs(t-0.3)*(t-0.3)", vec![(0.3, 1)]),
         ("max(t-0.3, 0)^3", vec![(0.3, 2)]),
         ("if(t < 0.25, 1, t)", vec![(0.25, -1)]),
-        ("floor(3*t + 0.5)", vec![(0.5 / 3.0, -1), (0.5, -1), (2.5 / 3.0, -1)]),
+        (
+            "floor(3*t + 0.5)",
+            vec![(0.5 / 3.0, -1), (0.5, -1), (2.5 / 3.0, -1)],
+        ),
         ("min(t, 1-t) + abs(t - 0.75)", vec![(0.5, 0), (0.75, 0)]),
         ("abs((t-0.4)^2)", vec![]),
         ("abs(abs(t-0.5)-0.25)", vec![(0.25, 0), (0.5, 0), (0.75, 0)]),
-        ("if(t <= 0.5, if(t < 0.1, 0, t), 1-t)", vec![(0.1, -1), (0.5, 0)]),
+        (
+            "if(t <= 0.5, if(t < 0.1, 0, t), 1-t)",
+            vec![(0.1, -1), (0.5, 0)],
+        ),
         ("sin(t)", vec![]),
         ("atan2(sin(tau*t), cos(tau*t))", vec![(0.5, -1)]),
     ] {
         let f = function(text, 0.0, 1.0).unwrap_or_else(|e| panic!("{text}: {e}"));
-        let found: Vec<_> = f.breaks()[1..f.breaks().len() - 1].iter().filter(|b| b.smooth < 8).collect();
+        let found: Vec<_> = f.breaks()[1..f.breaks().len() - 1]
+            .iter()
+            .filter(|b| b.smooth < 8)
+            .collect();
         assert_eq!(found.len(), want.len(), "{text}: {found:?}");
         for (b, (t, smooth)) in found.iter().zip(want) {
-            assert!((b.at - t).abs() <= 2e-16 && b.smooth == smooth, "{text}: {b:?}, not {t} {smooth}");
+            assert!(
+                (b.at - t).abs() <= 2e-16 && b.smooth == smooth,
+                "{text}: {b:?}, not {t} {smooth}"
+            );
         }
     }
 }
@@ -183,8 +251,15 @@ fn one_sided_limits_follow_the_pieces() {
 
 #[test]
 fn functions_are_finite_or_refused() {
-    for text in ["t^2", "exp(t)*sin(9*t)", "1/(1.0001-t)", "if(t > 0.5, 1/t, t)", "sqrt(t+1e-9)", "t^1.5", "sin(1/(t+0.01))"]
-    {
+    for text in [
+        "t^2",
+        "exp(t)*sin(9*t)",
+        "1/(1.0001-t)",
+        "if(t > 0.5, 1/t, t)",
+        "sqrt(t+1e-9)",
+        "t^1.5",
+        "sin(1/(t+0.01))",
+    ] {
         let f = function(text, 0.0, 1.0).unwrap_or_else(|e| panic!("{text}: {e}"));
         assert_eq!(f.finding(), Finding::Proven, "{text}");
     }
@@ -198,13 +273,24 @@ fn functions_are_finite_or_refused() {
         ("ln(t)", 0.0, "ln(t)"),
         ("sqrt(1-t)", 1.0, "sqrt(1-t)"),
     ] {
-        let Err(FunctionError::Value(e)) = function(text, 0.0, 1.0) else { panic!("{text} is accepted") };
+        let Err(FunctionError::Value(e)) = function(text, 0.0, 1.0) else {
+            panic!("{text} is accepted")
+        };
         assert!((e.at[0].1 - t).abs() < 1e-14, "{text}: {e}");
         assert_eq!(e.part, part, "{text}");
     }
-    assert!(matches!(function("sqrt(t-0.5)", 0.0, 1.0), Err(FunctionError::Value(_))));
-    assert!(matches!(function("t", 1.0, 1.0), Err(FunctionError::Domain(..))));
-    assert!(matches!(function("t", 0.0, f64::NAN), Err(FunctionError::Domain(..))));
+    assert!(matches!(
+        function("sqrt(t-0.5)", 0.0, 1.0),
+        Err(FunctionError::Value(_))
+    ));
+    assert!(matches!(
+        function("t", 1.0, 1.0),
+        Err(FunctionError::Domain(..))
+    ));
+    assert!(matches!(
+        function("t", 0.0, f64::NAN),
+        Err(FunctionError::Domain(..))
+    ));
 }
 
 /// Texts of random expressions, fully bracketed.
