@@ -1,0 +1,126 @@
+//! The project's own tasks, so that nobody has to remember a command line: `cargo xtask help` lists them.
+
+mod gallery;
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+const HELP: &str = "\
+cargo xtask <task>
+
+  test             all tests of all crates, documentation examples included
+  ci               what CI runs: formatting, lints, documentation, then `test`
+  bench [ARGS]     grid, list and mesh of every kind beside a plain loop; `--json FILE` writes one object a row
+  gallery          draw docs/gallery/*.png and docs/gallery.md from examples/
+  fuzz [MINUTES]   feed random model files to the reader (installs cargo-fuzz on first use; default 2 minutes)
+";
+
+/// A task's result: an error is a sentence for the person at the terminal.
+pub(crate) type Outcome = Result<(), String>;
+
+fn main() -> ExitCode {
+    let args: Vec<String> = env::args().skip(1).collect();
+    let rest = args.get(1..).unwrap_or_default();
+    let outcome = match args.first().map(String::as_str) {
+        Some("test") => test(rest),
+        Some("ci") => ci(),
+        Some("bench") => bench(rest),
+        Some("gallery") => gallery::draw(),
+        Some("fuzz") => fuzz(rest),
+        Some("help" | "--help" | "-h") => {
+            print!("{HELP}");
+            Ok(())
+        }
+        other => {
+            eprint!("{HELP}");
+            Err(other.map_or("which task?".into(), |t| format!("there is no task '{t}'")))
+        }
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            eprintln!("xtask: {message}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// The folder that holds the workspace.
+pub(crate) fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .parent()
+        .map(Path::to_path_buf)
+        .unwrap_or_default()
+}
+
+/// Runs a command in the root folder and says which one failed.
+pub(crate) fn run(command: &mut Command) -> Outcome {
+    let shown = format!("{command:?}").replace('"', "");
+    eprintln!("$ {shown}");
+    let status = command
+        .current_dir(root())
+        .status()
+        .map_err(|e| format!("{shown}: {e}"))?;
+    if status.success() {
+        Ok(())
+    } else {
+        Err(format!("{shown}: {status}"))
+    }
+}
+
+/// Cargo, the one that runs this task.
+pub(crate) fn cargo(args: &[&str]) -> Command {
+    let mut c = Command::new(env::var("CARGO").unwrap_or_else(|_| "cargo".into()));
+    c.args(args);
+    c
+}
+
+fn test(rest: &[String]) -> Outcome {
+    run(cargo(&["test", "--workspace", "--no-fail-fast"]).args(rest))
+}
+
+fn ci() -> Outcome {
+    run(&mut cargo(&["fmt", "--all", "--", "--check"]))?;
+    run(&mut cargo(&[
+        "clippy",
+        "--workspace",
+        "--all-targets",
+        "--",
+        "-D",
+        "warnings",
+    ]))?;
+    run(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))?;
+    test(&[])
+}
+
+fn bench(rest: &[String]) -> Outcome {
+    run(cargo(&["bench", "--package", "nappe", "--bench", "surfaces", "--"]).args(rest))
+}
+
+/// Coverage-guided fuzzing needs two unstable compiler flags; the stable compiler takes them when told to.
+fn fuzz(rest: &[String]) -> Outcome {
+    let minutes: u64 = match rest.first() {
+        Some(m) => m
+            .parse()
+            .map_err(|_| format!("'{m}' is not a number of minutes"))?,
+        None => 2,
+    };
+    if cargo(&["fuzz", "--version"])
+        .output()
+        .map_or(true, |o| !o.status.success())
+    {
+        run(&mut cargo(&["install", "--locked", "cargo-fuzz"]))?;
+    }
+    let seconds = format!("-max_total_time={}", minutes * 60);
+    run(
+        cargo(&["fuzz", "run", "model", "--sanitizer", "none", "--"])
+            .args([
+                seconds.as_str(),
+                "-max_len=4096",
+                "-timeout=20",
+                "-rss_limit_mb=4096",
+            ])
+            .env("RUSTC_BOOTSTRAP", "1"),
+    )
+}
