@@ -12,9 +12,11 @@ pub mod surface;
 
 mod box3;
 mod breaks;
+mod frame;
 mod interval;
 
 pub use box3::Box3;
 pub use breaks::{Break, Breaks, Limit, UNIT_BREAKS, merge_breaks};
+pub use frame::{Frame, FrameError, cos_sin};
 pub use glam::{DAffine3, DMat3, DVec3, DVec4};
 pub use interval::Interval;

@@ -1,9 +1,11 @@
 //! Exact forms: piecewise rational functions, NURBS curves and surfaces, and the tools between them.
 
+mod arcs;
 mod nurbs_curve;
 mod nurbs_surface;
 mod piecewise;
 
+pub use arcs::ConicArcs;
 pub use nurbs_curve::{NurbsCurve, NurbsError};
 pub use nurbs_surface::NurbsSurface;
 pub use piecewise::PiecewiseRational;
