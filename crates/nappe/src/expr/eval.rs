@@ -75,6 +75,12 @@ impl<'a, S: Number> Run<'a, S> {
         Ok(())
     }
 
+    /// A value whose derivative is infinite, if its argument moves: certain only for numbers.
+    fn no_derivative(&mut self, node: u32, certain: bool) -> Result<(), Fault> {
+        let never = certain && self.is_number();
+        self.object(node, never, FaultKind::NoDerivative)
+    }
+
     /// The formula that holds at a switch: that of the piece, or what the values say.
     fn decide(&mut self, node: u32, by_value: Option<f64>) -> Option<f64> {
         let Some(i) = self.bound.switch[node as usize] else {
@@ -245,10 +251,14 @@ impl<'a, S: Number> Run<'a, S> {
         let zero = base.lo <= 0.0;
         if self.bound.constant[b as usize] {
             if zero && exponent.lo <= 0.0 {
-                self.object(at, base == Interval::ZERO, FaultKind::DivisionByZero(1.0))?;
+                self.object(
+                    at,
+                    base == Interval::ZERO && exponent.hi <= 0.0,
+                    FaultKind::DivisionByZero(1.0),
+                )?;
             }
             if zero && self.order > 0 && exponent.lo < 1.0 && !self.bound.constant[a as usize] {
-                self.object(at, base == Interval::ZERO, FaultKind::NoDerivative)?;
+                self.no_derivative(at, base == Interval::ZERO)?;
             }
             return Ok(real_power(&x, y.value(), self.order));
         }
@@ -269,7 +279,7 @@ impl<'a, S: Number> Run<'a, S> {
                     return Ok(x);
                 }
                 if range.lo <= 0.0 && self.order > 0 {
-                    self.object(at, range == Interval::ZERO, FaultKind::NoDerivative)?;
+                    self.no_derivative(at, range == Interval::ZERO)?;
                 }
                 x.sqrt()
             }
@@ -295,7 +305,7 @@ impl<'a, S: Number> Run<'a, S> {
                     self.object(at, range.mig() > 1.0, FaultKind::ArcOutOfRange(worst))?;
                 }
                 if range.mag() >= 1.0 && self.order > 0 && x.c[1..].iter().any(|c| !c.is_zero()) {
-                    self.object(at, range.mig() >= 1.0, FaultKind::NoDerivative)?;
+                    self.no_derivative(at, range.mig() >= 1.0)?;
                 }
                 if f == Func::Asin { x.asin() } else { x.acos() }
             }
@@ -422,6 +432,9 @@ fn real_power<S: Number>(x: &Series<S>, b: S, order: usize) -> Series<S> {
     } else {
         S::from_range(Interval::ENTIRE)
     };
+    if x.c[1..].iter().all(|c| c.is_zero()) {
+        return Series::constant(value, order);
+    }
     let mut c = smallvec::smallvec![value];
     if order > 0 {
         // A zero base is one number for f64; what is not finite there is infinite.
