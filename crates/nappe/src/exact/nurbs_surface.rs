@@ -251,6 +251,10 @@ impl Surface for NurbsSurface {
         self.form.enclose_piece(uv, limit, order, out);
     }
 
+    fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
+        self.form.grid(u, v, out);
+    }
+
     fn to_nurbs(&self) -> Option<NurbsSurface> {
         Some(self.clone())
     }

@@ -135,69 +135,78 @@ impl Separable {
         }
     }
 
-    /// Sums `Σ a_i⁽ᵖ⁾ C_ij b_j⁽ᑫ⁾` for all `p + q <= order` into homogeneous derivatives, with the core shifted so
-    /// that `shift` becomes the origin: near it the quotient rule loses nothing to cancellation.
-    fn contract<S: Scalar>(
+    /// The first half of the sum: `K_j⁽ᵖ⁾ = Σ_i a_i⁽ᵖ⁾ C_ij` for the functions of v in `range_v`, written to
+    /// `out[p * range_v.len() + j]`. It depends on u alone, so a grid shares it along a row.
+    ///
+    /// With `shift` the core is measured from there: near that point the quotient rule loses nothing to cancellation.
+    fn collapse<S: Scalar>(
         &self,
-        a: (&[S], Range<usize>),
-        b: (&[S], Range<usize>),
+        a: &[S],
+        range_u: Range<usize>,
+        range_v: Range<usize>,
         shift: Option<[S; 3]>,
-        order: usize,
         out: &mut [[S; 4]],
     ) {
-        let (na, nb) = (a.1.len(), b.1.len());
+        let (na, nb) = (range_u.len(), range_v.len());
         let lift = |c: DVec4| -> [S; 4] {
             let [x, y, z, w] = c.to_array().map(S::from);
             match shift {
+                _ if !self.rational => [x, y, z, S::ZERO],
                 Some(s) => [x - s[0] * w, y - s[1] * w, z - s[2] * w, w],
                 None => [x, y, z, w],
             }
         };
         out.fill([S::ZERO; 4]);
+        let mut add = |i: usize, j: usize, c: [S; 4]| {
+            for (p, row) in out.chunks_exact_mut(nb).enumerate() {
+                let f = a[p * na + i];
+                for (o, c) in row[j].iter_mut().zip(c) {
+                    if !c.is_zero() {
+                        *o = *o + f * c;
+                    }
+                }
+            }
+        };
         match &self.core {
             Core::Net(net) => {
-                let stride = self.v.count();
-                // First along v, one row of the net at a time, then along u.
-                let mut row: SmallVec<[[S; 4]; 4]> = SmallVec::from_elem([S::ZERO; 4], order + 1);
-                for i in 0..na {
-                    row.fill([S::ZERO; 4]);
-                    for j in 0..nb {
-                        let c = lift(net[(a.1.start + i) * stride + b.1.start + j]);
-                        for (q, r) in row.iter_mut().enumerate() {
-                            let f = b.0[q * nb + j];
-                            for k in 0..4 {
-                                r[k] = r[k] + f * c[k];
-                            }
-                        }
-                    }
-                    for p in 0..=order {
-                        let f = a.0[p * na + i];
-                        for q in 0..=order - p {
-                            let o = &mut out[jet_index(p, q)];
-                            for k in 0..4 {
-                                o[k] = o[k] + f * row[q][k];
-                            }
-                        }
+                for (i, row) in net
+                    .chunks_exact(self.v.count())
+                    .skip(range_u.start)
+                    .take(na)
+                    .enumerate()
+                {
+                    for (j, c) in row[range_v.clone()].iter().enumerate() {
+                        add(i, j, lift(*c));
                     }
                 }
             }
             Core::Terms(terms) => {
-                for t in terms {
-                    if !(a.1.contains(&t.i) && b.1.contains(&t.j)) {
-                        continue;
-                    }
-                    let c = lift(t.c);
-                    for p in 0..=order {
-                        let f = a.0[p * na + t.i - a.1.start];
-                        for q in 0..=order - p {
-                            let g = f * b.0[q * nb + t.j - b.1.start];
-                            let o = &mut out[jet_index(p, q)];
-                            for k in 0..4 {
-                                if !c[k].is_zero() {
-                                    o[k] = o[k] + g * c[k];
-                                }
-                            }
-                        }
+                for t in terms
+                    .iter()
+                    .filter(|t| range_u.contains(&t.i) && range_v.contains(&t.j))
+                {
+                    add(t.i - range_u.start, t.j - range_v.start, lift(t.c));
+                }
+            }
+        }
+    }
+
+    /// The second half: homogeneous derivatives `Σ_j K_j⁽ᵖ⁾ b_j⁽ᑫ⁾` for all `p + q <= order`.
+    fn contract<S: Scalar>(
+        collapsed: &[[S; 4]],
+        b: &[S],
+        count: usize,
+        order: usize,
+        out: &mut [[S; 4]],
+    ) {
+        for p in 0..=order {
+            let row = &collapsed[p * count..][..count];
+            for q in 0..=order - p {
+                let o = &mut out[jet_index(p, q)];
+                *o = [S::ZERO; 4];
+                for (k, &f) in row.iter().zip(&b[q * count..]) {
+                    for (o, &k) in o.iter_mut().zip(k) {
+                        *o = *o + f * k;
                     }
                 }
             }
@@ -251,14 +260,51 @@ impl Surface for Separable {
         let mut b: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, (order + 1) * rb.len());
         self.u.jet_into(uv[0], limit[0], order, &mut a);
         self.v.jet_into(uv[1], limit[1], order, &mut b);
+        let mut k: SmallVec<[[f64; 4]; 16]> = SmallVec::from_elem([0.0; 4], (order + 1) * rb.len());
+        self.collapse(&a, ra, rb.clone(), None, &mut k);
         let mut h: SmallVec<[[f64; 4]; 6]> = SmallVec::from_elem([0.0; 4], jet_len(order));
-        self.contract((&a, ra), (&b, rb), None, order, &mut h);
+        Self::contract(&k, &b, rb.len(), order, &mut h);
         let mut r: SmallVec<[[f64; 3]; 6]> = SmallVec::from_elem([0.0; 3], jet_len(order));
         self.dehomogenise(&h, order, &mut r);
         for (o, r) in out.iter_mut().zip(&r) {
             *o = DVec3::from_array(*r);
         }
         out[0] += self.origin;
+    }
+
+    /// A grid of n × m points costs n + m evaluations of the sides and one small product a point. The operations of a
+    /// point are those of [`Surface::point`] in the same order, so the result is the same to the last bit.
+    fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
+        assert_eq!(
+            u.len() * v.len(),
+            out.len(),
+            "one point for each pair of the grid"
+        );
+        let (limit, all) = (Limit::Above, 0..self.v.count());
+        let mut starts = Vec::with_capacity(v.len());
+        let mut values: Vec<f64> = Vec::new();
+        for &v in v {
+            let range = self.v.active(v, limit);
+            let at = values.len();
+            values.resize(at + range.len(), 0.0);
+            self.v.jet_into(v, limit, 0, &mut values[at..]);
+            starts.push((at, range));
+        }
+        let mut k = vec![[0.0; 4]; all.len()];
+        let mut a: SmallVec<[f64; 32]> = SmallVec::new();
+        for (row, &u) in out.chunks_exact_mut(v.len().max(1)).zip(u) {
+            let range = self.u.active(u, limit);
+            a.clear();
+            a.resize(range.len(), 0.0);
+            self.u.jet_into(u, limit, 0, &mut a);
+            self.collapse(&a, range, all.clone(), None, &mut k);
+            for (o, (at, range)) in row.iter_mut().zip(&starts) {
+                let (mut h, mut r) = ([[0.0; 4]], [[0.0; 3]]);
+                Self::contract(&k[range.clone()], &values[*at..], range.len(), 0, &mut h);
+                self.dehomogenise(&h, 0, &mut r);
+                *o = DVec3::from_array(r[0]) + self.origin;
+            }
+        }
     }
 
     fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
@@ -277,10 +323,13 @@ impl Surface for Separable {
             if p.is_finite() { p } else { DVec3::ZERO }
         });
         let lifted = shift.map(|p| p.to_array().map(Interval::point));
-        let mut h: SmallVec<[[Interval; 4]; 6]> =
-            SmallVec::from_elem([Interval::ZERO; 4], jet_len(order));
-        self.contract((&a, ra), (&b, rb), lifted, order, &mut h);
-        let mut r: SmallVec<[[Interval; 3]; 6]> =
+        let zero = [Interval::ZERO; 4];
+        let mut k: SmallVec<[[Interval; 4]; 16]> =
+            SmallVec::from_elem(zero, (order + 1) * rb.len());
+        self.collapse(&a, ra, rb.clone(), lifted, &mut k);
+        let mut h: SmallVec<[[Interval; 4]; 16]> = SmallVec::from_elem(zero, jet_len(order));
+        Self::contract(&k, &b, rb.len(), order, &mut h);
+        let mut r: SmallVec<[[Interval; 3]; 16]> =
             SmallVec::from_elem([Interval::ZERO; 3], jet_len(order));
         self.dehomogenise(&h, order, &mut r);
         for (o, r) in out.iter_mut().zip(&r) {
