@@ -191,6 +191,8 @@ impl Functions for Stack {
 
 mod bspline;
 mod expression;
+mod hermite;
 
 pub use bspline::{BSplineBasis, KnotError};
 pub use expression::{ExpressionFunctions, ExpressionFunctionsError};
+pub use hermite::Hermite;

@@ -11,8 +11,10 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 mod expression;
+mod unit;
 
 pub use expression::{ExpressionCurve, ExpressionCurveError};
+pub use unit::on_unit_domain;
 
 /// The highest order of derivative that callers may rely on, of curves and surfaces. Higher orders work, but their
 /// accuracy is not tested.

@@ -9,11 +9,19 @@ use smallvec::SmallVec;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+mod bilinear;
+mod biquadratic;
 mod contour;
+mod hermite;
+mod ruled;
 mod separable;
 mod sides;
 
+pub use bilinear::{BilinearError, bilinear};
+pub use biquadratic::{BiquadraticError, biquadratic};
 pub use contour::{Contour, ContourError, CornerGap};
+pub use hermite::{HermiteData, HermiteError, hermite};
+pub use ruled::{RuledError, ruled};
 pub use separable::{Core, Separable, Term};
 pub use sides::{Corner, Side};
 
