@@ -1,7 +1,7 @@
 //! Axis-parallel boxes: enclosures of points and vectors.
 
 use crate::interval::Interval;
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use std::ops::{Add, Sub};
 
 /// An axis-parallel box that encloses a point or a vector.
@@ -113,6 +113,12 @@ impl Box3 {
             y: self.z * o.x - self.x * o.z,
             z: self.x * o.y - self.y * o.x,
         }
+    }
+
+    /// A box around the images of all vectors under a linear map.
+    pub fn linear_image(self, map: &DMat3) -> Self {
+        let column = |c: DVec3, s: Interval| Box3::point(c).scale(s);
+        column(map.x_axis, self.x) + column(map.y_axis, self.y) + column(map.z_axis, self.z)
     }
 
     /// Every vector times every number.

@@ -10,10 +10,22 @@ use smallvec::SmallVec;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+mod ellipse;
+mod error;
 mod expression;
+mod hermite;
+mod line;
+mod polyline;
+mod transformed;
 mod unit;
 
+pub use ellipse::{Ellipse, EllipseOptions, conic};
+pub use error::CurveError;
 pub use expression::{ExpressionCurve, ExpressionCurveError};
+pub use hermite::Hermite;
+pub use line::Line;
+pub use polyline::{Spacing, polyline};
+pub use transformed::Transformed;
 pub use unit::on_unit_domain;
 
 /// The highest order of derivative that callers may rely on, of curves and surfaces. Higher orders work, but their
@@ -42,6 +54,12 @@ pub trait Curve: Debug + Send + Sync {
     /// The same curve as a NURBS curve with the same parametrisation, where that exists exactly (within rounding).
     fn to_nurbs(&self) -> Option<NurbsCurve> {
         None
+    }
+
+    /// A NURBS curve that is exactly the same set of points, run through in the same direction, perhaps with another
+    /// parametrisation: a circle by its angle has no NURBS form, but a rational curve draws the same circle.
+    fn to_rational(&self) -> Option<NurbsCurve> {
+        self.to_nurbs()
     }
 
     /// The parameter range.
@@ -148,6 +166,25 @@ impl CurveJet {
         let (a, b) = (self.d[1], self.d[2]);
         let n = a.length();
         (n > 0.0).then(|| a.cross(b).length() / (n * n * n))
+    }
+}
+
+/// Evaluates a formula written over [`Scalar`](crate::scalar::Scalar) with numbers; orders it does not write are 0.
+pub(crate) fn values(out: &mut [DVec3], formula: impl FnOnce(&mut [[f64; 3]])) {
+    let mut buffer: SmallVec<[[f64; 3]; 6]> = SmallVec::from_elem([0.0; 3], out.len());
+    formula(&mut buffer);
+    for (o, b) in out.iter_mut().zip(&buffer) {
+        *o = DVec3::from_array(*b);
+    }
+}
+
+/// Evaluates a formula written over [`Scalar`](crate::scalar::Scalar) with intervals; orders it does not write are 0.
+pub(crate) fn boxes(out: &mut [Box3], formula: impl FnOnce(&mut [[Interval; 3]])) {
+    let mut buffer: SmallVec<[[Interval; 3]; 6]> =
+        SmallVec::from_elem([Interval::ZERO; 3], out.len());
+    formula(&mut buffer);
+    for (o, b) in out.iter_mut().zip(&buffer) {
+        *o = Box3::from(*b);
     }
 }
 

@@ -7,7 +7,7 @@ use crate::breaks::{Break, Breaks, Limit};
 use crate::curve::{Curve, quotient_rule};
 use crate::interval::Interval;
 use crate::scalar::Scalar;
-use glam::{DVec3, DVec4, Vec4Swizzles};
+use glam::{DAffine3, DVec3, DVec4, Vec4Swizzles};
 use smallvec::SmallVec;
 use std::ops::Range;
 use thiserror::Error;
@@ -210,6 +210,12 @@ impl NurbsCurve {
     /// True if the weights differ.
     pub fn is_rational(&self) -> bool {
         self.rational
+    }
+
+    /// The image under an affine map: exact, since only the points move.
+    pub fn transformed(&self, map: &DAffine3) -> Self {
+        let image = |p: &DVec4| (map.matrix3 * p.xyz() + map.translation * p.w).extend(p.w);
+        Self::from_homogeneous(self.basis.clone(), self.points.iter().map(image).collect())
     }
 
     /// The coordinates of `curve - origin` in piecewise Bernstein form.
