@@ -196,3 +196,8 @@ mod hermite;
 pub use bspline::{BSplineBasis, KnotError};
 pub use expression::{ExpressionFunctions, ExpressionFunctionsError};
 pub use hermite::Hermite;
+mod framed;
+mod turn;
+
+pub use framed::Framed;
+pub use turn::Turn;

@@ -14,14 +14,19 @@ mod biquadratic;
 mod contour;
 mod hermite;
 mod ruled;
+mod axis_contact;
+mod contour;
+mod revolution;
 mod separable;
 mod sides;
+mod turned;
 
 pub use bilinear::{BilinearError, bilinear};
 pub use biquadratic::{BiquadraticError, biquadratic};
 pub use contour::{Contour, ContourError, CornerGap};
 pub use hermite::{HermiteData, HermiteError, hermite};
 pub use ruled::{RuledError, ruled};
+pub use revolution::{Construction, Revolution, RevolutionError, RevolutionOptions};
 pub use separable::{Core, Separable, Term};
 pub use sides::{Corner, Side};
 

@@ -1,0 +1,116 @@
+//! Where a profile meets the axis of revolution: in poles, or across it.
+
+use crate::box3::Box3;
+use crate::breaks::Breaks;
+use crate::curve::Curve;
+use crate::frame::Frame;
+use crate::interval::Interval;
+use glam::{DVec2, DVec3, Vec3Swizzles};
+
+/// Relative to the profile's size: what is nearer to the axis lies on it. Larger would close real holes, smaller would
+/// keep needle holes that are only rounding.
+const ON_AXIS: f64 = 1e-12;
+/// Rounding of coordinates far from the origin, in units in the last place of the largest coordinate.
+const FAR_ULPS: f64 = 8.0;
+/// Halvings of the parameter range after which a place that cannot be told from a contact is one.
+const DEPTH: u32 = 48;
+/// Intervals looked at before giving up the proof; a profile with a few contacts needs some hundreds.
+const BUDGET: usize = 20_000;
+/// The longest contact, relative to the parameter range, that counts as a point. A curve that touches the axis with
+/// five equal derivatives stays within the distance above for this long.
+const LONGEST_TOUCH: f64 = 1e-2;
+/// Samples for the figure in a message.
+const SAMPLES: usize = 256;
+
+/// How a profile meets the axis.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Contact {
+    /// Not at all, or only in poles: at the first or last parameter, or touching in between.
+    Poles { ends: [bool; 2], inner: Vec<f64> },
+    /// From one side to the other at a parameter; the shorter part reaches so far from the axis.
+    Crosses { at: f64, point: DVec3, reach: f64 },
+    /// Along the axis over a range of parameters.
+    Along { from: f64, to: f64 },
+}
+
+/// Finds every contact by excluding the rest of the parameter range with enclosures.
+pub(crate) fn find(curve: &dyn Curve, axis: &Frame) -> Contact {
+    let domain = curve.domain();
+    let tolerance = tolerance(curve, axis);
+    let touches: Vec<Interval> = clusters(curve, axis, tolerance);
+    let at = |t: f64| axis.coordinates(curve.point(t));
+    let (mut ends, mut inner) = ([false; 2], Vec::new());
+    for t in touches {
+        let breaks = curve.breaks();
+        let whole_piece = (0..breaks.pieces()).any(|i| t.encloses(breaks.piece(i)));
+        if whole_piece || t.hi - t.lo > LONGEST_TOUCH * (domain.hi - domain.lo) {
+            return Contact::Along {
+                from: t.lo,
+                to: t.hi,
+            };
+        }
+        if t.lo <= domain.lo {
+            ends[0] = true;
+        } else if t.hi >= domain.hi {
+            ends[1] = true;
+        } else if at(t.lo).xy().dot(at(t.hi).xy()) < 0.0 {
+            let reach = |part: Interval| {
+                (0..=SAMPLES)
+                    .map(|i| part.lo + (part.hi - part.lo) * i as f64 / SAMPLES as f64)
+                    .map(|t| at(t).xy().length())
+                    .fold(0.0, f64::max)
+            };
+            let middle = t.mid();
+            return Contact::Crosses {
+                at: middle,
+                point: axis.point(DVec3::Z * at(middle).z),
+                reach: reach(Interval::new(domain.lo, t.lo))
+                    .min(reach(Interval::new(t.hi, domain.hi))),
+            };
+        } else {
+            inner.push(t.mid());
+        }
+    }
+    Contact::Poles { ends, inner }
+}
+
+/// The distance from the axis below which a point is on it.
+fn tolerance(curve: &dyn Curve, axis: &Frame) -> f64 {
+    let bounds = curve.bounds(curve.domain());
+    let b = axis.enclose_coordinates(bounds);
+    let size = b.x.mag().max(b.y.mag()).max(b.z.width());
+    let far = magnitude(bounds).max(magnitude(Box3::point(axis.origin())));
+    let tol = ON_AXIS * size + FAR_ULPS * f64::EPSILON * far;
+    if tol.is_finite() { tol } else { 0.0 }
+}
+
+fn magnitude(b: Box3) -> f64 {
+    b.x.mag().max(b.y.mag()).max(b.z.mag())
+}
+
+/// The maximal parameter ranges that may be within the tolerance of the axis, in order.
+fn clusters(curve: &dyn Curve, axis: &Frame, tolerance: f64) -> Vec<Interval> {
+    let mut found: Vec<Interval> = Vec::new();
+    let mut stack = vec![(curve.domain(), 0)];
+    let mut budget = BUDGET;
+    while let Some((t, depth)) = stack.pop() {
+        let b = axis.enclose_coordinates(curve.bounds(t));
+        let nearest = DVec2::new(b.x.mig(), b.y.mig()).length();
+        let farthest = DVec2::new(b.x.mag(), b.y.mag()).length();
+        budget = budget.saturating_sub(1);
+        if nearest > tolerance {
+            continue;
+        }
+        let m = t.mid();
+        if farthest <= tolerance || depth >= DEPTH || budget == 0 || m <= t.lo || m >= t.hi {
+            match found.last_mut() {
+                Some(last) if last.hi >= t.lo => last.hi = t.hi,
+                _ => found.push(t),
+            }
+        } else {
+            stack.push((Interval::new(m, t.hi), depth + 1));
+            stack.push((Interval::new(t.lo, m), depth + 1));
+        }
+    }
+    found
+}
