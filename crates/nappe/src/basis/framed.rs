@@ -2,7 +2,7 @@
 
 use super::Functions;
 use crate::box3::Box3;
-use crate::breaks::{Break, Breaks, Limit};
+use crate::breaks::{Break, Limit};
 use crate::curve::CurveRef;
 use crate::frame::Frame;
 use crate::interval::Interval;

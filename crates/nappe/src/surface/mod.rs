@@ -9,14 +9,13 @@ use smallvec::SmallVec;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+mod axis_contact;
 mod bilinear;
 mod biquadratic;
 mod contour;
 mod hermite;
-mod ruled;
-mod axis_contact;
-mod contour;
 mod revolution;
+mod ruled;
 mod separable;
 mod sides;
 mod turned;
@@ -25,8 +24,8 @@ pub use bilinear::{BilinearError, bilinear};
 pub use biquadratic::{BiquadraticError, biquadratic};
 pub use contour::{Contour, ContourError, CornerGap};
 pub use hermite::{HermiteData, HermiteError, hermite};
-pub use ruled::{RuledError, ruled};
 pub use revolution::{Construction, Revolution, RevolutionError, RevolutionOptions};
+pub use ruled::{RuledError, ruled};
 pub use separable::{Core, Separable, Term};
 pub use sides::{Corner, Side};
 

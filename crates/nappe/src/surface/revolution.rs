@@ -1,7 +1,7 @@
 //! Surfaces of revolution.
 
 use super::axis_contact::{self, Contact};
-use super::turned::{ProfileIs, net, turned};
+use super::turned::{net, turned};
 use super::{Dir, Separable, Surface, SurfaceRef};
 use crate::basis::{Framed, Turn};
 use crate::box3::Box3;
@@ -280,7 +280,7 @@ fn form(profile: &CurveRef, axis: &Frame, o: &RevolutionOptions, poles: [bool; 2
     match (arcs, nurbs.zip(coefficients)) {
         (Some(arcs), Some((n, points))) => {
             let e = axis.directions();
-            let points = net(&points, &arcs.points, e, ProfileIs::U)
+            let points = net(&points, &arcs.points, e)
                 .into_iter()
                 .map(|p| (p.xyz() + axis.origin() * p.w).extend(p.w))
                 .collect();

@@ -4,13 +4,6 @@ use super::{Core, Separable};
 use crate::basis::FunctionsRef;
 use glam::{DVec3, DVec4};
 
-/// Which parameter runs along the profile.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(crate) enum ProfileIs {
-    U,
-    V,
-}
-
 /// `R = Σ_ij a_i b_j (w_i (c_j x + …)…)`: profile coefficients `P_i = (w x, w y, w z, w)` in the frame `e`, section
 /// coefficients `(w c, w s, w)`; the point is `(x c - y s) e_x + (x s + y c) e_y + z e_z`. The frame's vectors may have
 /// any length: the semi-axes of a quadric.
@@ -20,23 +13,12 @@ pub(crate) fn homogeneous(p: DVec4, section: DVec3, e: [DVec3; 3]) -> DVec4 {
     xyz.extend(p.w * w)
 }
 
-/// The homogeneous net of profile coefficients times section coefficients, row-major (v fastest).
-pub(crate) fn net(
-    profile: &[DVec4],
-    section: &[DVec3],
-    e: [DVec3; 3],
-    profile_is: ProfileIs,
-) -> Vec<DVec4> {
-    match profile_is {
-        ProfileIs::U => profile
-            .iter()
-            .flat_map(|&p| section.iter().map(move |&s| homogeneous(p, s, e)))
-            .collect(),
-        ProfileIs::V => section
-            .iter()
-            .flat_map(|&s| profile.iter().map(move |&p| homogeneous(p, s, e)))
-            .collect(),
-    }
+/// The homogeneous net of a profile along u and a section along v, row-major (v fastest).
+pub(crate) fn net(profile: &[DVec4], section: &[DVec3], e: [DVec3; 3]) -> Vec<DVec4> {
+    profile
+        .iter()
+        .flat_map(|&p| section.iter().map(move |&s| homogeneous(p, s, e)))
+        .collect()
 }
 
 /// The separable surface of a profile along u and a section along v.
@@ -47,7 +29,7 @@ pub(crate) fn turned(
     origin: DVec3,
     rational: bool,
 ) -> Separable {
-    let core = Core::Net(net(profile, section, e, ProfileIs::U));
+    let core = Core::Net(net(profile, section, e));
     if rational {
         Separable::rational(u, v, core, origin)
     } else {
