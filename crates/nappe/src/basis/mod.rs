@@ -189,10 +189,13 @@ impl Functions for Stack {
     }
 }
 
+mod blending;
 mod bspline;
 mod expression;
 mod hermite;
+mod trigonometric;
 
+pub use blending::{Blending, BlendingError, BlendingFault};
 pub use bspline::{BSplineBasis, KnotError};
 pub use expression::{ExpressionFunctions, ExpressionFunctionsError};
 pub use hermite::Hermite;
@@ -201,3 +204,4 @@ mod turn;
 
 pub use framed::Framed;
 pub use turn::Turn;
+pub use trigonometric::{Trigonometric, TrigonometricError};
