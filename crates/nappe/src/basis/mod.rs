@@ -192,16 +192,15 @@ impl Functions for Stack {
 mod blending;
 mod bspline;
 mod expression;
+mod framed;
 mod hermite;
 mod trigonometric;
+mod turn;
 
 pub use blending::{Blending, BlendingError, BlendingFault};
 pub use bspline::{BSplineBasis, KnotError};
 pub use expression::{ExpressionFunctions, ExpressionFunctionsError};
-pub use hermite::Hermite;
-mod framed;
-mod turn;
-
 pub use framed::Framed;
-pub use turn::Turn;
+pub use hermite::Hermite;
 pub use trigonometric::{Trigonometric, TrigonometricError};
+pub use turn::Turn;
