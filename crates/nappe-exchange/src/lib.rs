@@ -1,0 +1,48 @@
+//! Files and pictures of exact surfaces.
+//!
+//! A [`Scene`] is a certified mesh with names, colours, curves and numbers at its vertices. [`write`] puts it into a
+//! file whose ending says the format, whole or not at all, and reports what the file holds:
+//!
+//! | ending | holds |
+//! |---|---|
+//! | `.glb`, `.gltf` | mesh, normals, parameters, names, colours, curves; y-up, metres |
+//! | `.stl` | triangles in f32; solids with normals outward |
+//! | `.obj` | shared points, normals, parameters, names, curves |
+//! | `.ply` | shared points, normals, parameters of each corner |
+//! | `.3mf` | shared points, names, colours, units; for printing |
+//! | `.vtu` | mesh with normals, parameters and all fields |
+//! | `.json` | the exact NURBS curves and surfaces |
+//!
+//! Formats that store f64 keep the mesh's proof as it is; for those that store f32, [`WriteReport`] adds what rounding
+//! moved. Triangles that rounding makes degenerate are counted, never written in silence.
+
+mod atomic;
+mod error;
+mod facets;
+mod format;
+mod gltf;
+mod json;
+mod obj;
+mod ply;
+
+mod report;
+#[cfg(test)]
+mod samples;
+mod scene;
+mod solid;
+mod stl;
+#[cfg(test)]
+mod tests;
+mod text;
+mod threemf;
+mod vtu;
+mod write;
+
+pub use atomic::write_atomically;
+pub use error::{ExchangeError, PictureError, SceneError};
+pub use format::Format;
+pub use report::{Progress, WriteOptions, WriteReport};
+pub use scene::{Colour, Exact, ExactForm, Field, PALETTE, Part, Polyline, Scene, Units};
+pub use write::write;
+
+pub(crate) use write::Output;
