@@ -18,42 +18,13 @@ pub fn write_atomically<T>(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<T>,
 ) -> Result<T, ExchangeError> {
-    let io = |action| {
-        move |source| ExchangeError::Io {
-            path: path.to_owned(),
-            action,
-            source,
-        }
-    };
-    let old = fs::metadata(path).ok();
-    if let Some(meta) = &old
-        && !meta.is_file()
-    {
-        let what = if meta.is_dir() {
-            "a directory"
-        } else {
-            "a device or pipe"
-        };
-        return Err(ExchangeError::NotAFile {
-            path: path.to_owned(),
-            what,
-        });
-    }
-    let target = if old.is_some() {
-        fs::canonicalize(path).map_err(io("resolve the path"))?
-    } else {
-        path.to_owned()
-    };
-    let directory = directory_of(&target);
-    if !directory.is_dir() {
-        return Err(ExchangeError::NoDirectory {
-            path: path.to_owned(),
-            directory,
-        });
-    }
-    let mut temporary = builder()
-        .tempfile_in(&directory)
-        .map_err(io("create a file in the directory (is it writable?)"))?;
+    let Target {
+        file,
+        directory,
+        old,
+    } = target(path)?;
+    let io = |action| failed(path, action);
+    let mut temporary = temporary(path, &directory)?;
     let mut out = BufWriter::with_capacity(BUFFER, temporary.as_file_mut());
     let result = fill(&mut out)
         .and_then(|r| out.flush().map(|()| r))
@@ -70,10 +41,77 @@ pub fn write_atomically<T>(
         .sync_all()
         .map_err(io("write to the disk"))?;
     temporary
-        .persist(&target)
+        .persist(&file)
         .map_err(|e| io("replace the file")(e.error))?;
     sync_directory(&directory);
     Ok(result)
+}
+
+/// Says before the work is done what would keep a file from being written: a directory that does not exist or cannot be
+/// written to, or a path that is no file. Nothing is changed.
+///
+/// # Errors
+/// Those of [`write_atomically`].
+pub fn check_target(path: &Path) -> Result<(), ExchangeError> {
+    temporary(path, &target(path)?.directory).map(drop)
+}
+
+/// Where a file will be.
+struct Target {
+    /// The file itself, behind any symbolic links.
+    file: PathBuf,
+    directory: PathBuf,
+    /// What is there now.
+    old: Option<fs::Metadata>,
+}
+
+fn target(path: &Path) -> Result<Target, ExchangeError> {
+    let old = fs::metadata(path).ok();
+    if let Some(meta) = &old
+        && !meta.is_file()
+    {
+        let what = if meta.is_dir() {
+            "a directory"
+        } else {
+            "a device or pipe"
+        };
+        return Err(ExchangeError::NotAFile {
+            path: path.to_owned(),
+            what,
+        });
+    }
+    let file = if old.is_some() {
+        fs::canonicalize(path).map_err(failed(path, "resolve the path"))?
+    } else {
+        path.to_owned()
+    };
+    let directory = directory_of(&file);
+    if !directory.is_dir() {
+        return Err(ExchangeError::NoDirectory {
+            path: path.to_owned(),
+            directory,
+        });
+    }
+    Ok(Target {
+        file,
+        directory,
+        old,
+    })
+}
+
+fn temporary(path: &Path, directory: &Path) -> Result<tempfile::NamedTempFile, ExchangeError> {
+    builder().tempfile_in(directory).map_err(failed(
+        path,
+        "create a file in the directory (is it writable?)",
+    ))
+}
+
+fn failed(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> ExchangeError {
+    move |source| ExchangeError::Io {
+        path: path.to_owned(),
+        action,
+        source,
+    }
 }
 
 fn directory_of(path: &Path) -> PathBuf {
@@ -140,6 +178,24 @@ mod tests {
         assert_eq!(names(dir.path()), ["a.stl"]);
         write_atomically(&path, |w| w.write_all(b"new")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"new");
+    }
+
+    #[test]
+    fn a_check_finds_what_writing_would_and_changes_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.stl");
+        check_target(&path).unwrap();
+        assert!(names(dir.path()).is_empty());
+        fs::write(&path, "old").unwrap();
+        check_target(&path).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        for bad in [dir.path().to_owned(), dir.path().join("none/a.stl")] {
+            let (a, b) = (
+                check_target(&bad).unwrap_err(),
+                write_atomically(&bad, |_| Ok(())).unwrap_err(),
+            );
+            assert_eq!(a.to_string(), b.to_string());
+        }
     }
 
     #[test]

@@ -38,7 +38,7 @@ mod threemf;
 mod vtu;
 mod write;
 
-pub use atomic::write_atomically;
+pub use atomic::{check_target, write_atomically};
 pub use error::{ExchangeError, PictureError, SceneError};
 pub use format::Format;
 pub use report::{Progress, WriteOptions, WriteReport};
