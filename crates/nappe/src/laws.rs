@@ -160,7 +160,7 @@ pub fn curve_with(c: &dyn Curve, boxes: usize) {
     }
     for i in 0..breaks.pieces() {
         let piece = breaks.piece(i);
-        let m = random.within(piece);
+        let m = random.within(start_of(piece));
         let width = |h: f64| {
             let t = Interval::new(m, (m + h * piece.width()).min(piece.hi));
             c.enclose(t, 1)
@@ -208,6 +208,11 @@ fn piece_width(breaks: &[Break]) -> f64 {
 /// The rounding error a computed sample may have itself: some units in the last place of what it is made of.
 fn rounding(b: &Box3, far: f64, order: usize, width: f64) -> f64 {
     1e-14 * (magnitude(b) + far / width.powi(order as i32)) * (order + 1) as f64
+}
+
+/// A piece without its end, so that intervals that start in it are not cut short there.
+fn start_of(piece: Interval) -> Interval {
+    Interval::new(piece.lo, piece.lo + 0.95 * (piece.hi - piece.lo))
 }
 
 /// Ten times smaller intervals give at least about five times smaller boxes, until rounding takes over.
@@ -358,7 +363,7 @@ pub fn surface_with(s: &dyn Surface, boxes: usize) {
             }
         }
     }
-    let m = [bu.piece(0), bv.piece(0)].map(|p| random.within(p));
+    let m = [bu.piece(0), bv.piece(0)].map(|p| random.within(start_of(p)));
     let widths = |h: f64| {
         let part = |x: f64, p: Interval| Interval::new(x, (x + h * p.width()).min(p.hi));
         let boxes = s.enclose([part(m[0], bu.piece(0)), part(m[1], bv.piece(0))], 1);

@@ -14,19 +14,24 @@ mod ellipse;
 mod error;
 mod expression;
 mod hermite;
+mod isocurve;
+mod joined;
 mod line;
 mod polyline;
+mod stretch;
 mod transformed;
-mod unit;
+mod trimmed;
 
 pub use ellipse::{Ellipse, EllipseOptions, conic};
 pub use error::CurveError;
 pub use expression::{ExpressionCurve, ExpressionCurveError};
 pub use hermite::Hermite;
+pub use isocurve::{CrossDerivative, Isocurve};
+pub use joined::{JoinOptions, Joined, Share};
 pub use line::Line;
 pub use polyline::{Spacing, polyline};
 pub use transformed::Transformed;
-pub use unit::on_unit_domain;
+pub use trimmed::{Trimmed, on_unit_domain};
 
 /// The highest order of derivative that callers may rely on, of curves and surfaces. Higher orders work, but their
 /// accuracy is not tested.

@@ -52,6 +52,30 @@ pub enum NurbsError {
         /// The number of points given.
         points: usize,
     },
+    /// A parameter is outside the domain.
+    #[error("the parameter {value} is not between {} and {}", domain.lo, domain.hi)]
+    Outside {
+        /// The parameter.
+        value: f64,
+        /// The domain.
+        domain: Interval,
+    },
+    /// A range has no positive length.
+    #[error("the range from {from} to {to} must have finite ends and a positive length")]
+    Empty {
+        /// Where it begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
+    /// A degree is to be raised, but the one asked for is lower.
+    #[error("degree {own} cannot be raised to {degree}")]
+    Lower {
+        /// The degree there is.
+        own: usize,
+        /// The degree asked for.
+        degree: usize,
+    },
 }
 
 /// Checks points and weights and lifts them to homogeneous coordinates `(w x, w y, w z, w)`.

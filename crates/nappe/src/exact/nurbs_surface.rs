@@ -1,7 +1,8 @@
 //! NURBS surfaces.
 
 use super::nurbs_curve::{homogeneous, middle};
-use super::piecewise::{bernstein_elevate, join_pieces};
+use super::piecewise::bernstein_elevate;
+use super::spline::{Row, join};
 use super::{NurbsError, PiecewiseRational};
 use crate::basis::{BSplineBasis, Functions, KnotError};
 use crate::box3::Box3;
@@ -164,41 +165,26 @@ impl NurbsSurface {
                 }
             }
         }
-        // Join along v for every row of every piece in u, then along u for every column.
-        let mut knots_v = Vec::new();
-        let mut rows: Vec<Vec<Vec<DVec4>>> = Vec::new();
-        for a in 0..pieces_u {
-            let mut of_piece = Vec::new();
-            for i in 0..=p {
-                let line: Vec<Vec<DVec4>> = (0..pieces_v)
-                    .map(|b| (0..=q).map(|j| grid[at(a, b, i, j)]).collect())
-                    .collect();
-                let (k, points) = join_pieces(v.breaks(), q, &line);
-                knots_v = k;
-                of_piece.push(points);
-            }
-            rows.push(of_piece);
-        }
-        let columns = rows[0][0].len();
-        let mut knots_u = Vec::new();
-        let mut by_column = Vec::with_capacity(columns);
-        for j in 0..columns {
-            let line: Vec<Vec<DVec4>> = rows
-                .iter()
-                .map(|r| r.iter().map(|x| x[j]).collect())
-                .collect();
-            let (k, points) = join_pieces(u.breaks(), p, &line);
-            knots_u = k;
-            by_column.push(points);
-        }
-        let count_u = by_column[0].len();
-        let points = (0..count_u)
-            .flat_map(|i| by_column.iter().map(move |c| c[i]))
+        // Join along v for all rows of the grid together, then along u.
+        let rows = || (0..pieces_u).flat_map(|a| (0..=p).map(move |i| (a, i)));
+        let along_v: Vec<Vec<Row>> = (0..pieces_v)
+            .map(|b| {
+                let column = |j| rows().map(|(a, i)| grid[at(a, b, i, j)]).collect();
+                (0..=q).map(column).collect()
+            })
             .collect();
+        let v = join(v.breaks(), q, &along_v);
+        let along_u: Vec<Vec<Row>> = (0..pieces_u)
+            .map(|a| {
+                let row = |i| v.rows.iter().map(|c| c[a * (p + 1) + i]).collect();
+                (0..=p).map(row).collect()
+            })
+            .collect();
+        let u = join(u.breaks(), p, &along_u);
         Some(Self::from_homogeneous(
-            BSplineBasis::new(p, knots_u).ok()?,
-            BSplineBasis::new(q, knots_v).ok()?,
-            points,
+            BSplineBasis::new(p, u.knots).ok()?,
+            BSplineBasis::new(q, v.knots).ok()?,
+            u.rows.into_iter().flatten().collect(),
         ))
     }
 

@@ -3,7 +3,6 @@
 use crate::breaks::{Break, Breaks, Limit, merge_breaks};
 use crate::interval::Interval;
 use crate::series::binomial;
-use glam::DVec4;
 
 /// A list of functions `n_i(t)/d(t)` over common breaks, all pieces in Bernstein form with one common denominator.
 ///
@@ -246,42 +245,4 @@ pub(crate) fn bernstein_elevate(c: &[f64], degree: usize) -> Vec<f64> {
         return c.to_vec();
     }
     bernstein_product(c, &vec![1.0; degree - p + 1])
-}
-
-/// Joins Bézier pieces of one degree into a B-spline: `pieces[k][i]` is the i-th point of the k-th piece. A break
-/// that is smooth to order s becomes a knot of multiplicity `degree - s`, or none. Returns knots and points.
-pub(crate) fn join_pieces(
-    breaks: &[Break],
-    degree: usize,
-    pieces: &[Vec<DVec4>],
-) -> (Vec<f64>, Vec<DVec4>) {
-    let p = degree;
-    let mut knots = vec![breaks[0].at; p + 1];
-    for b in &breaks[1..breaks.len() - 1] {
-        let multiplicity = (p as i32).saturating_sub(b.smooth).clamp(0, p as i32) as usize;
-        knots.extend(std::iter::repeat_n(b.at, multiplicity));
-    }
-    knots.extend(std::iter::repeat_n(breaks[breaks.len() - 1].at, p + 1));
-    let count = knots.len() - p - 1;
-    let points = (0..count)
-        .map(|i| {
-            // Any piece in the support gives the point; the one in the middle extrapolates least.
-            let middle = knots[i + 1..=i + p].iter().sum::<f64>() / p as f64;
-            let piece = breaks.find(
-                middle.clamp(breaks.domain().lo, breaks.domain().hi),
-                Limit::Above,
-            );
-            let Interval { lo, hi } = breaks.piece(piece);
-            let c = &pieces[piece];
-            let mut d = c.clone();
-            for r in 1..=p {
-                let x = (knots[i + r] - lo) / (hi - lo);
-                for k in 0..=p - r {
-                    d[k] = d[k] * (1.0 - x) + d[k + 1] * x;
-                }
-            }
-            d[0]
-        })
-        .collect();
-    (knots, points)
 }
