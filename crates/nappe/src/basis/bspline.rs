@@ -277,6 +277,10 @@ impl Functions for BSplineBasis {
         self.knots.len() - self.degree - 1
     }
 
+    fn sums_to_one(&self) -> bool {
+        true
+    }
+
     fn breaks(&self) -> &[Break] {
         &self.breaks
     }

@@ -27,6 +27,11 @@ pub trait Functions: Debug + Send + Sync {
         0..self.count()
     }
 
+    /// True if the functions sum to 1 everywhere, exactly: enclosures of what they combine are then much narrower.
+    fn sums_to_one(&self) -> bool {
+        false
+    }
+
     /// Writes derivatives 0 to `order` of the active functions at `t`.
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]);
 

@@ -139,12 +139,13 @@ impl Separable {
     /// `out[p * range_v.len() + j]`. It depends on u alone, so a grid shares it along a row.
     ///
     /// With `shift` the core is measured from there: near that point the quotient rule loses nothing to cancellation.
+    /// With `centre` a net's columns are measured from their means, see [`mean`]; the functions of u must sum to 1.
     fn collapse<S: Scalar>(
         &self,
         a: &[S],
-        range_u: Range<usize>,
-        range_v: Range<usize>,
+        [range_u, range_v]: [Range<usize>; 2],
         shift: Option<[S; 3]>,
+        centre: bool,
         out: &mut [[S; 4]],
     ) {
         let (na, nb) = (range_u.len(), range_v.len());
@@ -157,7 +158,7 @@ impl Separable {
             }
         };
         out.fill([S::ZERO; 4]);
-        let mut add = |i: usize, j: usize, c: [S; 4]| {
+        let add = |out: &mut [[S; 4]], i: usize, j: usize, c: [S; 4]| {
             for (p, row) in out.chunks_exact_mut(nb).enumerate() {
                 let f = a[p * na + i];
                 for (o, c) in row[j].iter_mut().zip(c) {
@@ -169,6 +170,19 @@ impl Separable {
         };
         match &self.core {
             Core::Net(net) => {
+                let at = |i: usize, j: usize| {
+                    lift(net[(range_u.start + i) * self.v.count() + range_v.start + j])
+                };
+                if centre {
+                    for j in 0..nb {
+                        let m = mean(na, |i| at(i, j));
+                        for i in 0..na {
+                            add(out, i, j, sub(at(i, j), m));
+                        }
+                        out[j] = sum(out[j], m);
+                    }
+                    return;
+                }
                 for (i, row) in net
                     .chunks_exact(self.v.count())
                     .skip(range_u.start)
@@ -176,7 +190,7 @@ impl Separable {
                     .enumerate()
                 {
                     for (j, c) in row[range_v.clone()].iter().enumerate() {
-                        add(i, j, lift(*c));
+                        add(out, i, j, lift(*c));
                     }
                 }
             }
@@ -185,22 +199,32 @@ impl Separable {
                     .iter()
                     .filter(|t| range_u.contains(&t.i) && range_v.contains(&t.j))
                 {
-                    add(t.i - range_u.start, t.j - range_v.start, lift(t.c));
+                    add(out, t.i - range_u.start, t.j - range_v.start, lift(t.c));
                 }
             }
         }
     }
 
-    /// The second half: homogeneous derivatives `Σ_j K_j⁽ᵖ⁾ b_j⁽ᑫ⁾` for all `p + q <= order`.
+    /// The second half: homogeneous derivatives `Σ_j K_j⁽ᵖ⁾ b_j⁽ᑫ⁾` for all `p + q <= order`. `centre` as for the
+    /// first half.
     fn contract<S: Scalar>(
-        collapsed: &[[S; 4]],
+        collapsed: &mut [[S; 4]],
         b: &[S],
         count: usize,
         order: usize,
+        centre: bool,
         out: &mut [[S; 4]],
     ) {
         for p in 0..=order {
-            let row = &collapsed[p * count..][..count];
+            let row = &mut collapsed[p * count..][..count];
+            let m = if centre {
+                mean(count, |j| row[j])
+            } else {
+                [S::ZERO; 4]
+            };
+            if centre {
+                row.iter_mut().for_each(|k| *k = sub(*k, m));
+            }
             for q in 0..=order - p {
                 let o = &mut out[jet_index(p, q)];
                 *o = [S::ZERO; 4];
@@ -208,6 +232,9 @@ impl Separable {
                     for (o, &k) in o.iter_mut().zip(k) {
                         *o = *o + f * k;
                     }
+                }
+                if centre && q == 0 {
+                    *o = sum(*o, m);
                 }
             }
         }
@@ -243,6 +270,29 @@ impl Separable {
     }
 }
 
+/// A number near the mean of each coordinate. Where `Σ f_i = 1`, `Σ f_i c_i = m + Σ f_i (c_i - m)` and
+/// `Σ f_i' c_i = Σ f_i' (c_i - m)` for every m: with enclosures of the `f_i` the right sides are much narrower.
+fn mean<S: Scalar>(n: usize, point: impl Fn(usize) -> [S; 4]) -> [S; 4] {
+    let mut total = [0.0; 4];
+    for i in 0..n {
+        for (t, c) in total.iter_mut().zip(point(i)) {
+            *t += c.mid();
+        }
+    }
+    total.map(|t| {
+        let m = t / n as f64;
+        S::from(if m.is_finite() { m } else { 0.0 })
+    })
+}
+
+fn sum<S: Scalar>(a: [S; 4], b: [S; 4]) -> [S; 4] {
+    [0, 1, 2, 3].map(|k| a[k] + b[k])
+}
+
+fn sub<S: Scalar>(a: [S; 4], b: [S; 4]) -> [S; 4] {
+    [0, 1, 2, 3].map(|k| a[k] - b[k])
+}
+
 impl Surface for Separable {
     fn breaks(&self, dir: Dir) -> &[Break] {
         match dir {
@@ -261,9 +311,9 @@ impl Surface for Separable {
         self.u.jet_into(uv[0], limit[0], order, &mut a);
         self.v.jet_into(uv[1], limit[1], order, &mut b);
         let mut k: SmallVec<[[f64; 4]; 16]> = SmallVec::from_elem([0.0; 4], (order + 1) * rb.len());
-        self.collapse(&a, ra, rb.clone(), None, &mut k);
+        self.collapse(&a, [ra, rb.clone()], None, false, &mut k);
         let mut h: SmallVec<[[f64; 4]; 6]> = SmallVec::from_elem([0.0; 4], jet_len(order));
-        Self::contract(&k, &b, rb.len(), order, &mut h);
+        Self::contract(&mut k, &b, rb.len(), order, false, &mut h);
         let mut r: SmallVec<[[f64; 3]; 6]> = SmallVec::from_elem([0.0; 3], jet_len(order));
         self.dehomogenise(&h, order, &mut r);
         for (o, r) in out.iter_mut().zip(&r) {
@@ -297,10 +347,11 @@ impl Surface for Separable {
             a.clear();
             a.resize(range.len(), 0.0);
             self.u.jet_into(u, limit, 0, &mut a);
-            self.collapse(&a, range, all.clone(), None, &mut k);
+            self.collapse(&a, [range, all.clone()], None, false, &mut k);
             for (o, (at, range)) in row.iter_mut().zip(&starts) {
                 let (mut h, mut r) = ([[0.0; 4]], [[0.0; 3]]);
-                Self::contract(&k[range.clone()], &values[*at..], range.len(), 0, &mut h);
+                let row = &mut k[range.clone()];
+                Self::contract(row, &values[*at..], range.len(), 0, false, &mut h);
                 self.dehomogenise(&h, 0, &mut r);
                 *o = DVec3::from_array(r[0]) + self.origin;
             }
@@ -326,9 +377,11 @@ impl Surface for Separable {
         let zero = [Interval::ZERO; 4];
         let mut k: SmallVec<[[Interval; 4]; 16]> =
             SmallVec::from_elem(zero, (order + 1) * rb.len());
-        self.collapse(&a, ra, rb.clone(), lifted, &mut k);
+        let centre = self.u.sums_to_one() && matches!(self.core, Core::Net(_));
+        self.collapse(&a, [ra, rb.clone()], lifted, centre, &mut k);
         let mut h: SmallVec<[[Interval; 4]; 16]> = SmallVec::from_elem(zero, jet_len(order));
-        Self::contract(&k, &b, rb.len(), order, &mut h);
+        let centre = self.v.sums_to_one();
+        Self::contract(&mut k, &b, rb.len(), order, centre, &mut h);
         let mut r: SmallVec<[[Interval; 3]; 16]> =
             SmallVec::from_elem([Interval::ZERO; 3], jet_len(order));
         self.dehomogenise(&h, order, &mut r);
