@@ -1,0 +1,300 @@
+//! The triangles of one surface.
+//!
+//! On a collapsed side many vertices share one point. Triangles with two corners there have no area and are left out:
+//! what they would cover in space is an edge of a triangle beside them. Each remaining triangle gets its own vertex at
+//! that point, with the normal of the middle of its opposite edge, so that the tip of a cone is shaded like its flank.
+
+use super::layout::{Layout, Leaf};
+use super::lines::{Key, Lines, key};
+use super::options::MeshError;
+use super::zip::Cell;
+use super::{MeshPatch, MeshVertex};
+use crate::breaks::Limit;
+use crate::interval::Interval;
+use crate::surface::{Dir, Side, Surface};
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// Marks the number of a vertex on a collapsed side, until its triangle is known.
+const POLE: u32 = 1 << 31;
+/// Shares of the way to the middle of a leaf at which a normal is looked for where there is none: the nearest that works
+/// is the best approximation of the limit.
+const INWARD: [f64; 4] = [1e-6, 1e-4, 1e-2, 0.5];
+
+/// A vertex on a collapsed side.
+#[derive(Clone, Copy)]
+struct Pole {
+    point: u32,
+    uv: [f64; 2],
+    /// The parameter that runs along the collapsed side: 0 for u, 1 for v.
+    along: usize,
+}
+
+pub(super) struct Builder<'a> {
+    pub(super) index: usize,
+    pub(super) surface: &'a dyn Surface,
+    pub(super) layout: &'a Layout,
+    pub(super) lines: &'a Lines,
+    /// The collapsed sides, in the order of [`Side::ALL`].
+    pub(super) collapsed: [bool; 4],
+    /// The points on the borders of leaves.
+    pub(super) on_lines: HashMap<Key, u32>,
+    pub(super) points: &'a mut Vec<DVec3>,
+    /// The vertices on the borders of leaves, one for each block: blocks differ in the normal.
+    pub(super) vertex_of: HashMap<([usize; 2], Key), u32>,
+    pub(super) patch: MeshPatch,
+    /// The largest distance of a vertex' point from the surface.
+    pub(super) gap: f64,
+}
+
+/// What is known about the leaf being worked on.
+struct Place {
+    block: [usize; 2],
+    range: [Interval; 2],
+    middle: [f64; 2],
+}
+
+impl Builder<'_> {
+    /// Makes all triangles.
+    pub(super) fn run(&mut self) -> Result<(), MeshError> {
+        let mut poles = Vec::new();
+        let layout = self.layout;
+        for leaf in &layout.leaves {
+            self.leaf(leaf, &mut poles)?;
+        }
+        self.complete_normals();
+        Ok(())
+    }
+
+    fn leaf(&mut self, leaf: &Leaf, poles: &mut Vec<Pole>) -> Result<(), MeshError> {
+        let range = [0, 1].map(|d| self.layout.blocks[d][leaf.block[d]]);
+        let [us, vs] = [0, 1].map(|d| leaf.parts[d].params(range[d]));
+        let (n, m) = (us.len() - 1, vs.len() - 1);
+        let place = Place {
+            block: leaf.block,
+            range,
+            middle: [0.5 * (us[0] + us[n]), 0.5 * (vs[0] + vs[m])],
+        };
+        let mut grid = vec![DVec3::ZERO; us.len() * vs.len()];
+        self.surface.grid(&us, &vs, &mut grid);
+        let mut ids = Vec::with_capacity(grid.len());
+        for (i, &u) in us.iter().enumerate() {
+            for (j, &v) in vs.iter().enumerate() {
+                let (uv, p) = ([u, v], grid[i * (m + 1) + j]);
+                ids.push(if i == 0 || j == 0 || i == n || j == m {
+                    self.on_border(&place, uv, p, poles)?
+                } else {
+                    let point = self.add_point(uv, p)?;
+                    self.add_vertex(&place, uv, point)
+                });
+            }
+        }
+        let id = |i: usize, j: usize| ids[i * (m + 1) + j];
+        let mut chain: [Vec<u32>; 4] = Default::default();
+        for i in 0..n {
+            for j in 0..m {
+                let corner = [id(i, j), id(i + 1, j), id(i, j + 1), id(i + 1, j + 1)];
+                let ends = [[0, 1], [2, 3], [0, 2], [1, 3]];
+                let outer = [j == 0, j + 1 == m, i == 0, i + 1 == n];
+                for (s, side) in Side::ALL.into_iter().enumerate() {
+                    chain[s].clear();
+                    chain[s].push(corner[ends[s][0]]);
+                    if outer[s] {
+                        let (at, from, to) = match side.along() {
+                            Dir::U => (vs[j + usize::from(side.is_upper())], us[i], us[i + 1]),
+                            Dir::V => (us[i + usize::from(side.is_upper())], vs[j], vs[j + 1]),
+                        };
+                        let lines = self.lines;
+                        for &t in lines.between(side.across(), at, from, to) {
+                            let uv = match side.along() {
+                                Dir::U => [t, at],
+                                Dir::V => [at, t],
+                            };
+                            let p = self.surface.point(uv);
+                            chain[s].push(self.on_border(&place, uv, p, poles)?);
+                        }
+                    }
+                    chain[s].push(corner[ends[s][1]]);
+                }
+                let cell = Cell {
+                    south: &chain[0],
+                    north: &chain[1],
+                    west: &chain[2],
+                    east: &chain[3],
+                };
+                let mut triangles = Vec::with_capacity(2);
+                cell.triangles(|t| self.quality(t, poles), |t| triangles.push(t));
+                for t in triangles {
+                    self.add_triangle(&place, t, poles);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn add_point(&mut self, uv: [f64; 2], p: DVec3) -> Result<u32, MeshError> {
+        if !p.is_finite() {
+            return Err(MeshError::NotFinite {
+                surface: self.index,
+                uv,
+            });
+        }
+        self.points.push(p);
+        Ok(self.points.len() as u32 - 1)
+    }
+
+    fn add_vertex(&mut self, place: &Place, uv: [f64; 2], point: u32) -> u32 {
+        let normal = self.normal(place, uv);
+        self.push_vertex(uv, point, normal)
+    }
+
+    fn push_vertex(&mut self, uv: [f64; 2], point: u32, normal: DVec3) -> u32 {
+        self.patch.vertices.push(MeshVertex { point, uv, normal });
+        self.patch.vertices.len() as u32 - 1
+    }
+
+    /// The vertex on the border of a leaf; `p` is the surface's point there.
+    fn on_border(
+        &mut self,
+        place: &Place,
+        uv: [f64; 2],
+        p: DVec3,
+        poles: &mut Vec<Pole>,
+    ) -> Result<u32, MeshError> {
+        let at = (place.block, key(uv));
+        if let Some(&v) = self.vertex_of.get(&at) {
+            return Ok(v);
+        }
+        let point = match self.on_lines.get(&at.1) {
+            Some(&point) => point,
+            None => {
+                let point = self.add_point(uv, p)?;
+                self.on_lines.insert(at.1, point);
+                point
+            }
+        };
+        let gap = self.points[point as usize].distance(p);
+        if gap.is_nan() {
+            return Err(MeshError::NotFinite {
+                surface: self.index,
+                uv,
+            });
+        }
+        self.gap = self.gap.max(gap);
+        let domain = self.surface.domain();
+        let on = |s: Side| match s {
+            Side::South => uv[1] == domain[1].lo,
+            Side::North => uv[1] == domain[1].hi,
+            Side::West => uv[0] == domain[0].lo,
+            Side::East => uv[0] == domain[0].hi,
+        };
+        let collapsed = (0..4).find(|&s| self.collapsed[s] && on(Side::ALL[s]));
+        let vertex = match collapsed {
+            Some(s) => {
+                let along = super::lines::index(Side::ALL[s].along());
+                poles.push(Pole { point, uv, along });
+                POLE | (poles.len() as u32 - 1)
+            }
+            None => self.add_vertex(place, uv, point),
+        };
+        self.vertex_of.insert(at, vertex);
+        Ok(vertex)
+    }
+
+    fn point_of(&self, vertex: u32, poles: &[Pole]) -> u32 {
+        if vertex & POLE == 0 {
+            self.patch.vertices[vertex as usize].point
+        } else {
+            poles[(vertex & !POLE) as usize].point
+        }
+    }
+
+    /// Twice the area over the square of the longest edge.
+    fn quality(&self, t: [u32; 3], poles: &[Pole]) -> f64 {
+        let [a, b, c] = t.map(|v| self.points[self.point_of(v, poles) as usize]);
+        let (x, y) = (b - a, c - a);
+        let longest = x
+            .length_squared()
+            .max(y.length_squared())
+            .max(c.distance_squared(b));
+        if longest > 0.0 {
+            x.cross(y).length() / longest
+        } else {
+            0.0
+        }
+    }
+
+    fn add_triangle(&mut self, place: &Place, mut t: [u32; 3], poles: &[Pole]) {
+        let p = t.map(|v| self.point_of(v, poles));
+        if p[0] == p[1] || p[1] == p[2] || p[2] == p[0] {
+            return;
+        }
+        for k in 0..3 {
+            if t[k] & POLE == 0 {
+                continue;
+            }
+            let pole = poles[(t[k] & !POLE) as usize];
+            let mut uv = pole.uv;
+            let others = [t[(k + 1) % 3], t[(k + 2) % 3]];
+            let at = |v: u32| {
+                if v & POLE == 0 {
+                    self.patch.vertices[v as usize].uv
+                } else {
+                    poles[(v & !POLE) as usize].uv
+                }
+            };
+            uv[pole.along] = 0.5 * (at(others[0])[pole.along] + at(others[1])[pole.along]);
+            let mut inner = uv;
+            inner[1 - pole.along] = place.middle[1 - pole.along];
+            let normal = self.inward_normal(place, uv, inner);
+            t[k] = self.push_vertex(uv, pole.point, normal);
+        }
+        self.patch.triangles.push(t);
+    }
+
+    /// The unit normal, as the limit from inside the block; zero where none is found.
+    fn normal(&self, place: &Place, uv: [f64; 2]) -> DVec3 {
+        self.normal_at(place, uv)
+            .unwrap_or_else(|| self.inward_normal(place, uv, place.middle))
+    }
+
+    /// The normal near a point where it is a limit only, towards another point.
+    fn inward_normal(&self, place: &Place, uv: [f64; 2], to: [f64; 2]) -> DVec3 {
+        INWARD
+            .into_iter()
+            .find_map(|f| self.normal_at(place, [0, 1].map(|d| uv[d] + f * (to[d] - uv[d]))))
+            .unwrap_or(DVec3::ZERO)
+    }
+
+    fn normal_at(&self, place: &Place, uv: [f64; 2]) -> Option<DVec3> {
+        let limit = [0, 1].map(|d| {
+            if uv[d] >= place.range[d].hi {
+                Limit::Below
+            } else {
+                Limit::Above
+            }
+        });
+        self.surface.jet(uv, limit, 1).normal()
+    }
+
+    /// Gives vertices without a normal the mean of those of their triangles, weighted by area.
+    fn complete_normals(&mut self) {
+        let missing = |v: &MeshVertex| v.normal == DVec3::ZERO;
+        if !self.patch.vertices.iter().any(missing) {
+            return;
+        }
+        let mut sums = vec![DVec3::ZERO; self.patch.vertices.len()];
+        for t in &self.patch.triangles {
+            let [a, b, c] = t.map(|v| self.points[self.patch.vertices[v as usize].point as usize]);
+            let n = (b - a).cross(c - a);
+            for &v in t {
+                sums[v as usize] += n;
+            }
+        }
+        for (v, sum) in self.patch.vertices.iter_mut().zip(sums) {
+            if missing(v) {
+                v.normal = sum.normalize_or(DVec3::Z);
+            }
+        }
+    }
+}

@@ -1,0 +1,349 @@
+//! Which sides of the surfaces are one and the same curve, and which are one point.
+//!
+//! Two sides match if they have the same ends, in the same or the opposite order, and samples of one have partners on
+//! the other no farther than the weld distance, in order. The parametrisations may differ. Sampling decides only what is
+//! joined; how far the joined points are from each surface is measured at every vertex and counts as deviation.
+
+use super::lines::index;
+use crate::breaks::Limit;
+use crate::interval::Interval;
+use crate::surface::{Corner, Dir, Side, Surface, SurfaceRef, jet_len};
+use glam::DVec3;
+
+/// The number of samples along a side; partners between them are found by Newton's method from these.
+const SAMPLES: usize = 32;
+/// Finer samples among which the first guess of a partner is taken.
+const GUESSES: usize = 128;
+/// The most steps of Newton's method, and of halving in between.
+const STEPS: usize = 40;
+
+/// A side as a curve: its parameter is the one that runs along it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Edge<'a> {
+    pub(super) surface: &'a dyn Surface,
+    pub(super) side: Side,
+    pub(super) range: Interval,
+    /// The constant parameter.
+    pub(super) at: f64,
+}
+
+impl<'a> Edge<'a> {
+    pub(super) fn new(surface: &'a dyn Surface, side: Side) -> Self {
+        let domain = surface.domain();
+        let across = domain[index(side.across())];
+        Self {
+            surface,
+            side,
+            range: domain[index(side.along())],
+            at: if side.is_upper() {
+                across.hi
+            } else {
+                across.lo
+            },
+        }
+    }
+
+    pub(super) fn uv(&self, t: f64) -> [f64; 2] {
+        match self.side.along() {
+            Dir::U => [t, self.at],
+            Dir::V => [self.at, t],
+        }
+    }
+
+    pub(super) fn point(&self, t: f64) -> DVec3 {
+        self.surface.point(self.uv(t))
+    }
+
+    fn sample(&self, k: usize, of: usize) -> f64 {
+        if k == of {
+            self.range.hi
+        } else {
+            self.range.lo + (self.range.hi - self.range.lo) * k as f64 / of as f64
+        }
+    }
+
+    /// The parameter in `within` of the point nearest to `p`, near `guess`: Newton's method on `(r - p)·r' = 0` with
+    /// the step of Gauss, halved until the distance does not grow.
+    fn nearest(&self, p: DVec3, guess: f64, within: Interval) -> f64 {
+        let mut t = guess.clamp(within.lo, within.hi);
+        let mut best = self.point(t).distance(p);
+        let mut d = [DVec3::ZERO; jet_len(1)];
+        let first = match self.side.along() {
+            Dir::U => 1,
+            Dir::V => 2,
+        };
+        for _ in 0..STEPS {
+            let limit = if t >= within.hi {
+                Limit::Below
+            } else {
+                Limit::Above
+            };
+            self.surface.jet_into(self.uv(t), [limit; 2], 1, &mut d);
+            let (r, slope) = (d[0] - p, d[first]);
+            let mut step = -r.dot(slope) / slope.length_squared();
+            if !step.is_finite() {
+                return t;
+            }
+            let mut moved = false;
+            for _ in 0..STEPS {
+                let next = (t + step).clamp(within.lo, within.hi);
+                let distance = self.point(next).distance(p);
+                if distance < best {
+                    (t, best, moved) = (next, distance, true);
+                    break;
+                }
+                step *= 0.5;
+                if t + step == t {
+                    break;
+                }
+            }
+            if !moved {
+                break;
+            }
+        }
+        t
+    }
+
+    /// True if the whole side lies within `weld` of one point.
+    fn is_collapsed(&self, weld: f64) -> bool {
+        let p = self.point(self.range.mid());
+        (0..=GUESSES).all(|k| self.point(self.sample(k, GUESSES)).distance(p) <= 0.5 * weld)
+    }
+}
+
+/// The correspondence between the parameters of two sides that match.
+#[derive(Clone, Debug)]
+pub(super) struct Map {
+    /// Increasing parameters of the leading side and their partners, increasing or decreasing.
+    table: Vec<[f64; 2]>,
+    /// True if the parameters correspond linearly.
+    linear: bool,
+}
+
+impl Map {
+    pub(super) fn is_reversed(&self) -> bool {
+        self.table[0][1] > self.table[self.table.len() - 1][1]
+    }
+
+    /// The partner of a parameter `t` of side `from` (0 or 1) on the other side, whose curve is `on`; `p` is the point.
+    pub(super) fn partner(&self, from: usize, t: f64, p: DVec3, on: &Edge) -> f64 {
+        let to = 1 - from;
+        let last = self.table.len() - 1;
+        let flip = from == 1 && self.is_reversed();
+        let k = if flip {
+            self.table.partition_point(|e| e[from] > t)
+        } else {
+            self.table.partition_point(|e| e[from] <= t)
+        }
+        .clamp(1, last);
+        let (a, b) = if self.linear {
+            (self.table[0], self.table[last])
+        } else {
+            (self.table[k - 1], self.table[k])
+        };
+        let share = (t - a[from]) / (b[from] - a[from]);
+        let guess = a[to] + (b[to] - a[to]) * share;
+        if self.linear {
+            return guess.clamp(on.range.lo, on.range.hi);
+        }
+        on.nearest(p, guess, Interval::new(a[to], b[to]))
+    }
+}
+
+/// The correspondence of side `b` to side `a`, if they match within `weld`.
+pub(super) fn matching(a: &Edge, b: &Edge, weld: f64) -> Option<Map> {
+    let ends = |e: &Edge| [e.point(e.range.lo), e.point(e.range.hi)];
+    let (p, q) = (ends(a), ends(b));
+    [false, true]
+        .into_iter()
+        .filter(|&reversed| {
+            let [first, last] = if reversed { [1, 0] } else { [0, 1] };
+            p[0].distance(q[first]) <= weld && p[1].distance(q[last]) <= weld
+        })
+        .find_map(|reversed| linear(a, b, reversed, weld).or_else(|| general(a, b, reversed, weld)))
+}
+
+fn linear(a: &Edge, b: &Edge, reversed: bool, weld: f64) -> Option<Map> {
+    let partner = |k| b.sample(if reversed { SAMPLES - k } else { k }, SAMPLES);
+    let table: Vec<_> = (0..=SAMPLES)
+        .map(|k| [a.sample(k, SAMPLES), partner(k)])
+        .collect();
+    table
+        .iter()
+        .all(|&[s, t]| a.point(s).distance(b.point(t)) <= weld)
+        .then_some(Map {
+            table,
+            linear: true,
+        })
+}
+
+fn general(a: &Edge, b: &Edge, reversed: bool, weld: f64) -> Option<Map> {
+    let at = |k: usize| b.sample(if reversed { GUESSES - k } else { k }, GUESSES);
+    let points: Vec<DVec3> = (0..=GUESSES).map(|k| b.point(at(k))).collect();
+    let mut table = vec![[a.range.lo, at(0)]];
+    let mut from = 0;
+    for k in 1..SAMPLES {
+        let s = a.sample(k, SAMPLES);
+        let p = a.point(s);
+        // The first local minimum from here on that is near enough decides; loops that come back are not jumped to.
+        let mut best = from;
+        for j in from..=GUESSES {
+            if points[j].distance(p) < points[best].distance(p) {
+                best = j;
+            }
+        }
+        let (lo, hi) = (at(best.saturating_sub(1)), at((best + 1).min(GUESSES)));
+        let t = b.nearest(p, at(best), Interval::new(lo, hi));
+        let previous = table[table.len() - 1][1];
+        let ahead = if reversed { t < previous } else { t > previous };
+        if !ahead || b.point(t).distance(p) > weld {
+            return None;
+        }
+        table.push([s, t]);
+        from = best.saturating_sub(1);
+    }
+    table.push([a.range.hi, at(GUESSES)]);
+    Some(Map {
+        table,
+        linear: false,
+    })
+}
+
+/// How one side is joined to an earlier one.
+#[derive(Clone, Debug)]
+pub(super) struct Join {
+    /// The leading side: 4 times its surface's index plus its own.
+    pub(super) leader: usize,
+    pub(super) map: Map,
+}
+
+/// What is shared. Sides are numbered 4 × surface + side, corners 4 × surface + corner.
+#[derive(Debug)]
+pub(super) struct Shared {
+    pub(super) joins: Vec<Option<Join>>,
+    pub(super) collapsed: Vec<bool>,
+    /// For each corner the first corner that is the same point.
+    pub(super) corners: Vec<usize>,
+}
+
+/// The edge with a number.
+pub(super) fn edge(surfaces: &[SurfaceRef], number: usize) -> Edge<'_> {
+    Edge::new(surfaces[number / 4].as_ref(), Side::ALL[number % 4])
+}
+
+/// The corners at the start and end of a side.
+pub(super) fn ends(number: usize) -> [usize; 2] {
+    let side = Side::ALL[number % 4];
+    let [a, b] = match side {
+        Side::South => [Corner::SouthWest, Corner::SouthEast],
+        Side::North => [Corner::NorthWest, Corner::NorthEast],
+        Side::West => [Corner::SouthWest, Corner::NorthWest],
+        Side::East => [Corner::SouthEast, Corner::NorthEast],
+    };
+    [a, b].map(|c| number / 4 * 4 + c as usize)
+}
+
+/// Finds what is shared. Cost: quadratic in the number of sides for comparing ends, then 10³ points for each pair whose
+/// ends agree.
+pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
+    let count = 4 * surfaces.len();
+    let edges: Vec<Edge> = (0..count).map(|k| edge(surfaces, k)).collect();
+    let tips: Vec<[DVec3; 2]> = edges
+        .iter()
+        .map(|e| [e.point(e.range.lo), e.point(e.range.hi)])
+        .collect();
+    let collapsed: Vec<bool> = edges.iter().map(|e| e.is_collapsed(weld)).collect();
+    let mut corners: Vec<usize> = (0..count).collect();
+    let mut joins: Vec<Option<Join>> = vec![None; count];
+    for b in 0..count {
+        if collapsed[b] {
+            let [s, e] = ends(b);
+            unite(&mut corners, s, e);
+            continue;
+        }
+        let near = |p: DVec3, q: DVec3| p.distance(q) <= weld;
+        joins[b] = (0..b)
+            .filter(|&a| !collapsed[a] && joins[a].is_none())
+            .filter(|&a| {
+                let ([p, q], [s, e]) = (tips[a], tips[b]);
+                (near(p, s) && near(q, e)) || (near(p, e) && near(q, s))
+            })
+            .find_map(|a| {
+                let map = matching(&edges[a], &edges[b], weld)?;
+                Some(Join { leader: a, map })
+            });
+        if let Some(join) = &joins[b] {
+            let ([p, q], [s, e]) = (ends(join.leader), ends(b));
+            let (s, e) = if join.map.is_reversed() {
+                (e, s)
+            } else {
+                (s, e)
+            };
+            unite(&mut corners, p, s);
+            unite(&mut corners, q, e);
+        }
+    }
+    let corners = (0..count).map(|c| root(&corners, c)).collect();
+    Shared {
+        joins,
+        collapsed,
+        corners,
+    }
+}
+
+fn root(parents: &[usize], mut c: usize) -> usize {
+    while parents[c] != c {
+        c = parents[c];
+    }
+    c
+}
+
+/// The smaller number leads, so the result does not depend on the order of union.
+fn unite(parents: &mut [usize], a: usize, b: usize) {
+    let (a, b) = (root(parents, a), root(parents, b));
+    parents[a.max(b)] = a.min(b);
+}
+
+impl Shared {
+    /// The fewest cells across a surface along u and v for which no triangle has two corners in one place: around
+    /// closed directions three, between two poles two.
+    pub(super) fn least_cells(&self, surface: usize) -> [f64; 2] {
+        let number = |s: Side| 4 * surface + s as usize;
+        let group = |s: Side| {
+            let k = number(s);
+            self.joins[k].as_ref().map_or(k, |j| j.leader)
+        };
+        let mut least = [1.0f64; 2];
+        for (i, a) in Side::ALL.into_iter().enumerate() {
+            for b in Side::ALL.into_iter().skip(i + 1) {
+                let opposite = a.along() == b.along();
+                if self.collapsed[number(a)] && self.collapsed[number(b)] {
+                    if opposite {
+                        let d = index(a.across());
+                        least[d] = least[d].max(2.0);
+                    } else {
+                        least = least.map(|l| l.max(2.0));
+                    }
+                } else if group(a) == group(b) {
+                    if opposite {
+                        let d = index(a.across());
+                        least[d] = least[d].max(3.0);
+                    } else {
+                        least = least.map(|l| l.max(3.0));
+                    }
+                }
+            }
+        }
+        least
+    }
+
+    /// True if something of the surface is shared or collapsed.
+    pub(super) fn touches(&self, surface: usize) -> bool {
+        let sides = 4 * surface..4 * surface + 4;
+        sides.clone().any(|k| self.collapsed[k])
+            || self.joins.iter().enumerate().any(|(k, j)| {
+                j.as_ref()
+                    .is_some_and(|j| sides.contains(&k) || sides.contains(&j.leader))
+            })
+    }
+}

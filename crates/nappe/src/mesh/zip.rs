@@ -1,0 +1,129 @@
+//! Triangles for one cell: a rectangle of parameters with extra vertices on its sides.
+//!
+//! Every triangle has its corners on at least two sides and never all three on one: none is degenerate in the plane of
+//! the parameters. No vertex is added inside.
+
+/// The vertices of a cell, counter-clockwise chains that include their end corners: south and north run along u, west
+/// and east along v.
+pub(super) struct Cell<'a> {
+    pub(super) south: &'a [u32],
+    pub(super) north: &'a [u32],
+    pub(super) west: &'a [u32],
+    pub(super) east: &'a [u32],
+}
+
+impl Cell<'_> {
+    /// Hands out the triangles, counter-clockwise in (u, v). `quality` is larger for better shaped triangles.
+    pub(super) fn triangles(
+        &self,
+        quality: impl Fn([u32; 3]) -> f64,
+        mut emit: impl FnMut([u32; 3]),
+    ) {
+        if self.west.len() == 2 && self.east.len() == 2 {
+            if self.south.len() == 2 && self.north.len() == 2 {
+                let [a, b] = [self.south[0], self.south[1]];
+                let [d, c] = [self.north[0], self.north[1]];
+                let along = [[a, b, c], [a, c, d]];
+                let across = [[a, b, d], [b, c, d]];
+                let worst = |t: &[[u32; 3]; 2]| quality(t[0]).min(quality(t[1]));
+                let chosen = if worst(&along) >= worst(&across) {
+                    along
+                } else {
+                    across
+                };
+                chosen.into_iter().for_each(emit);
+            } else {
+                zip(self.south, self.north, quality, emit);
+            }
+        } else if self.south.len() == 2 && self.north.len() == 2 {
+            zip(self.east, self.west, quality, emit);
+        } else {
+            // From the north-west corner to the south-east corner, on both ways around.
+            let mut right: Vec<u32> = self.west.iter().rev().copied().collect();
+            right.extend(&self.south[1..]);
+            let mut left = self.north.to_vec();
+            left.extend(self.east[..self.east.len() - 1].iter().rev());
+            let (r, l) = (right.len(), left.len());
+            emit([right[0], right[1], left[1]]);
+            zip(&right[1..r - 1], &left[1..l - 1], quality, &mut emit);
+            emit([right[r - 2], right[r - 1], left[l - 2]]);
+        }
+    }
+}
+
+/// Triangulates the strip between two chains that run the same way, the first on the right.
+fn zip(
+    right: &[u32],
+    left: &[u32],
+    quality: impl Fn([u32; 3]) -> f64,
+    mut emit: impl FnMut([u32; 3]),
+) {
+    let (mut i, mut j) = (0, 0);
+    while i + 1 < right.len() || j + 1 < left.len() {
+        let on_right = (i + 1 < right.len()).then(|| [right[i], right[i + 1], left[j]]);
+        let on_left = (j + 1 < left.len()).then(|| [right[i], left[j + 1], left[j]]);
+        match (on_right, on_left) {
+            (Some(r), Some(l)) if quality(l) > quality(r) => {
+                emit(l);
+                j += 1;
+            }
+            (Some(r), _) => {
+                emit(r);
+                i += 1;
+            }
+            (None, Some(l)) => {
+                emit(l);
+                j += 1;
+            }
+            (None, None) => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of a unit cell with the given numbers of extra points: the triangles are counter-clockwise, not
+    /// degenerate and add up to the cell.
+    #[test]
+    fn cells_are_covered_once() {
+        for code in 0..4u32.pow(4) {
+            let extra = [0, 1, 2, 3].map(|k| (code / 4u32.pow(k) % 4) as usize);
+            let mut points: Vec<[f64; 2]> = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+            let ends = [[0, 1], [2, 3], [0, 2], [1, 3]];
+            let chains: Vec<Vec<u32>> = (0..4)
+                .map(|s| {
+                    let [a, b] = ends[s];
+                    let mut chain = vec![a as u32];
+                    for k in 1..=extra[s] {
+                        let t = k as f64 / (extra[s] + 1) as f64;
+                        let (p, q) = (points[a], points[b]);
+                        points.push([p[0] + (q[0] - p[0]) * t, p[1] + (q[1] - p[1]) * t]);
+                        chain.push(points.len() as u32 - 1);
+                    }
+                    chain.push(b as u32);
+                    chain
+                })
+                .collect();
+            let cell = Cell {
+                south: &chains[0],
+                north: &chains[1],
+                west: &chains[2],
+                east: &chains[3],
+            };
+            let area = |t: [u32; 3]| {
+                let [a, b, c] = t.map(|i| points[i as usize]);
+                0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+            };
+            let (mut sum, mut count) = (0.0, 0);
+            cell.triangles(area, |t| {
+                assert!(area(t) > 1e-9, "{t:?} with {extra:?}");
+                sum += area(t);
+                count += 1;
+            });
+            assert!((sum - 1.0).abs() < 1e-12);
+            assert_eq!(count, 2 + extra.iter().sum::<usize>());
+        }
+    }
+}
