@@ -5,6 +5,7 @@ pub mod curve;
 pub mod exact;
 pub mod expr;
 pub mod laws;
+pub mod maps;
 pub mod mesh;
 pub mod scalar;
 pub mod series;

@@ -145,7 +145,7 @@ fn the_rational_form_has_the_same_points() {
                 Frame::WORLD,
                 options(start, angle, Construction::Angle),
             );
-            let rational = by_angle.to_rational();
+            let rational = by_angle.with_arcs();
             for i in 0..=10 {
                 let d = profile.domain();
                 let u = d.lo + (d.hi - d.lo) * i as f64 / 10.0;
@@ -200,7 +200,7 @@ fn a_nurbs_profile_gives_an_exact_nurbs_surface() {
         RevolutionOptions::default(),
     );
     assert!(by_angle.to_nurbs().is_none());
-    assert!(by_angle.to_rational().to_nurbs().is_some());
+    assert!(by_angle.with_arcs().to_nurbs().is_some());
 }
 
 #[test]

@@ -9,6 +9,9 @@ use std::f64::consts::TAU;
 /// Relative difference from a whole turn that is taken as rounding of the angle.
 const WHOLE_TURN: f64 = 1e-12;
 
+/// The relative distance within which [`cos_sin`] takes an angle for a multiple of an eighth of a turn.
+const SNAP: f64 = 4.0 * f64::EPSILON;
+
 /// The list `1, cos θ(t), sin θ(t)` with `θ(t) = start + angle · t` on `[0, 1]`; angles in radians.
 ///
 /// A whole turn (within a relative 1e-12) is one exactly: the rate is the real number 2π in enclosures, and the
@@ -70,6 +73,7 @@ impl Functions for Turn {
             Interval::point(self.angle)
         };
         let theta = Interval::point(self.start) + speed * t;
+        let theta = theta.inflate(SNAP * theta.mag());
         let (c, s) = (theta.cos(), theta.sin());
         let mut rate = Interval::ONE;
         for k in 0..=order {

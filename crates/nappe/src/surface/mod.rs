@@ -13,21 +13,27 @@ mod axis_contact;
 mod bilinear;
 mod biquadratic;
 mod contour;
+mod elementary;
 mod hermite;
+mod normal;
 mod revolution;
 mod ruled;
 mod separable;
 mod sides;
+mod transformed;
 mod turned;
 
 pub use bilinear::{BilinearError, bilinear};
 pub use biquadratic::{BiquadraticError, biquadratic};
 pub use contour::{Contour, ContourError, CornerGap};
+pub use elementary::Elementary;
 pub use hermite::{HermiteData, HermiteError, hermite};
+pub use normal::{Normal, normal_at};
 pub use revolution::{Construction, Revolution, RevolutionError, RevolutionOptions};
 pub use ruled::{RuledError, ruled};
 pub use separable::{Core, Separable, Term};
 pub use sides::{Corner, Side};
+pub use transformed::{Swapped, TransformError, Transformed};
 
 /// A shared surface.
 pub type SurfaceRef = Arc<dyn Surface>;
@@ -71,6 +77,18 @@ pub trait Surface: Debug + Send + Sync {
     /// The same surface as a NURBS surface with the same parametrisation, where that exists exactly (within rounding).
     fn to_nurbs(&self) -> Option<NurbsSurface> {
         None
+    }
+
+    /// A NURBS surface that is exactly the same set of points, with the same orientation and the same sides, perhaps
+    /// with another parametrisation: a surface of revolution by angle has no NURBS form, but rational arcs sweep the
+    /// same surface.
+    fn to_rational(&self) -> Option<NurbsSurface> {
+        self.to_nurbs()
+    }
+
+    /// The plane or cylinder that this surface is a part of, where that is known exactly (within rounding).
+    fn elementary(&self) -> Option<Elementary> {
+        elementary::plane_of(&self.to_nurbs()?)
     }
 
     /// The parameter ranges of u and v.

@@ -96,7 +96,7 @@ pub enum RevolutionError {
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub enum Construction {
     /// v is proportional to the angle: `r(u, v)` is the profile turned by `start + angle · v`. No NURBS surface has this
-    /// parametrisation; [`Revolution::to_rational`] has the same points and is exact.
+    /// parametrisation; [`Surface::to_rational`] has the same points and is exact.
     #[default]
     Angle,
     /// Equal rational quadratic arcs of at most a quarter turn with weights `cos(half angle)`; v is their parameter.
@@ -196,17 +196,10 @@ impl Revolution {
         })
     }
 
-    /// The same points by rational arcs: the exact NURBS surface if the profile is a NURBS curve. Only v runs
-    /// differently; at the ends, the joints and the middles of the arcs the parameters agree.
-    pub fn to_rational(&self) -> Self {
-        let construction = match self.options.construction {
-            Construction::Angle | Construction::Rational => Construction::Rational,
-            conic @ Construction::Conic { .. } => conic,
-        };
-        let options = RevolutionOptions {
-            construction,
-            ..self.options
-        };
+    /// The same points by rational arcs: a NURBS surface if the profile is a NURBS curve. Only v runs differently; at
+    /// the ends, the joints and the middles of the arcs the parameters agree.
+    pub fn with_arcs(&self) -> Self {
+        let options = with_arcs(&self.options);
         Self {
             form: form(&self.profile, &self.axis, &options, self.poles),
             options,
@@ -238,6 +231,15 @@ impl Revolution {
     pub fn pinches(&self) -> &[f64] {
         &self.pinches
     }
+}
+
+/// The options for the same points by rational arcs.
+fn with_arcs(o: &RevolutionOptions) -> RevolutionOptions {
+    let construction = match o.construction {
+        Construction::Angle | Construction::Rational => Construction::Rational,
+        conic @ Construction::Conic { .. } => conic,
+    };
+    RevolutionOptions { construction, ..*o }
 }
 
 /// Checks the numbers and takes away their rounding.
@@ -388,5 +390,11 @@ impl Surface for Revolution {
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {
         self.form.to_nurbs()
+    }
+
+    fn to_rational(&self) -> Option<NurbsSurface> {
+        let profile: CurveRef = Arc::new(self.profile.to_rational()?);
+        let options = with_arcs(&self.options);
+        form(&profile, &self.axis, &options, self.poles).to_nurbs()
     }
 }
