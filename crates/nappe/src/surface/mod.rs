@@ -16,10 +16,12 @@ mod contour;
 mod elementary;
 mod hermite;
 mod normal;
+mod quadric;
 mod revolution;
 mod ruled;
 mod separable;
 mod sides;
+mod torus;
 mod transformed;
 mod turned;
 
@@ -29,10 +31,12 @@ pub use contour::{Contour, ContourError, CornerGap};
 pub use elementary::Elementary;
 pub use hermite::{HermiteData, HermiteError, hermite};
 pub use normal::{Normal, normal_at};
+pub use quadric::{Quadric, QuadricError, QuadricOptions, QuadricShape};
 pub use revolution::{Construction, Revolution, RevolutionError, RevolutionOptions};
 pub use ruled::{RuledError, ruled};
 pub use separable::{Core, Separable, Term};
 pub use sides::{Corner, Side};
+pub use torus::{Torus, TorusError, TorusOptions};
 pub use transformed::{Swapped, TransformError, Transformed};
 
 /// A shared surface.
