@@ -17,6 +17,7 @@ use patch::Builder;
 use std::collections::HashMap;
 
 mod bound;
+mod flatten;
 mod layout;
 mod lines;
 mod options;
@@ -25,6 +26,7 @@ mod shared;
 mod stitch;
 mod zip;
 
+pub use flatten::{FlatCurve, FlattenError, flatten};
 pub use options::{MeshError, MeshOptions, Progress};
 
 /// How far an approximating result is from the exact thing.
