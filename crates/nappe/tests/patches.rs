@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use nappe::basis::{BSplineBasis, Functions, Hermite};
-use nappe::curve::{CurveRef, on_unit_domain};
+use nappe::curve::{Curve, CurveRef, Trimmed, on_unit_domain};
 use nappe::exact::{NurbsCurve, NurbsSurface};
 use nappe::laws::{self, Random};
 use nappe::surface::{
@@ -129,6 +129,8 @@ fn a_curve_on_the_unit_domain_is_the_same_curve() {
     let c = spline(3, 1.0, DVec3::ZERO);
     let unit = on_unit_domain(c.clone());
     laws::curve(unit.as_ref());
+    let reversed = Trimmed::reversed(c.clone());
+    laws::curve(&reversed);
     assert!(Arc::ptr_eq(&unit, &on_unit_domain(unit.clone())));
     for b in c.breaks() {
         for limit in [Limit::Below, Limit::Above] {
@@ -136,7 +138,14 @@ fn a_curve_on_the_unit_domain_is_the_same_curve() {
                 c.jet(b.at, limit, 3),
                 unit.jet((b.at + 1.0) / 4.0, limit, 3),
             );
+            let opposite = match limit {
+                Limit::Below => Limit::Above,
+                Limit::Above => Limit::Below,
+            };
+            let z = reversed.jet((3.0 - b.at) / 4.0, opposite, 3);
             for k in 0..=3 {
+                let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+                assert!((z.d[k] * sign - y.d[k]).length() <= 1e-12 * y.d[k].length().max(1.0));
                 let want = x.d[k] * 4f64.powi(k as i32);
                 assert!((want - y.d[k]).length() <= 1e-12 * want.length().max(1.0));
             }

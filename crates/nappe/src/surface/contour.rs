@@ -261,7 +261,7 @@ fn best_reversal(
 }
 
 /// The diagonal of a box around points of the curves.
-fn size(sides: &[CurveRef; 4]) -> f64 {
+pub(super) fn size(sides: &[CurveRef; 4]) -> f64 {
     const SAMPLES: usize = 16;
     let points = sides
         .iter()

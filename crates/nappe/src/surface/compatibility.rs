@@ -1,0 +1,128 @@
+//! Whether the data of a Coons surface fits together: the report over its 16 corner conditions.
+
+use super::sides::{Corner, Side};
+use glam::DVec3;
+use std::fmt;
+
+/// What is given twice in a corner.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Datum {
+    /// The point.
+    Position,
+    /// `∂r/∂u`.
+    TangentU,
+    /// `∂r/∂v`.
+    TangentV,
+    /// `∂²r/∂u∂v`.
+    Twist,
+}
+
+impl fmt::Display for Datum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Datum::Position => "position",
+            Datum::TangentU => "tangent along u",
+            Datum::TangentV => "tangent along v",
+            Datum::Twist => "twist",
+        })
+    }
+}
+
+/// Who gives it.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Source {
+    /// A boundary curve.
+    Side(Side),
+    /// The cross-derivative along a side.
+    Cross(Side),
+    /// The table of twists.
+    Twists,
+}
+
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Source::Side(s) => write!(f, "{s}"),
+            Source::Cross(s) => write!(f, "cross.{s}"),
+            Source::Twists => f.write_str("twists"),
+        }
+    }
+}
+
+/// A condition that is missed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disagreement {
+    /// Where.
+    pub corner: Corner,
+    /// What.
+    pub datum: Datum,
+    /// Who disagrees.
+    pub sources: [Source; 2],
+    /// What they say.
+    pub values: [DVec3; 2],
+    /// The length of the difference.
+    pub distance: f64,
+    /// The greatest length allowed.
+    pub limit: f64,
+}
+
+impl fmt::Display for Disagreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [a, b] = self.sources;
+        let [x, y] = self.values;
+        write!(
+            f,
+            "{} corner: the {} is {x} by {a} but {y} by {b}, {:.6e} apart (allowed: {:.1e})",
+            self.corner, self.datum, self.distance, self.limit
+        )
+    }
+}
+
+/// The report: every one of the 16 conditions `L_j(f_i) = L_i(g_j)` that is missed, and what would help.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Compatibility {
+    /// The conditions missed, corner by corner.
+    pub disagreements: Vec<Disagreement>,
+    /// The boundary curves to reverse, if that closes the contour or makes its greatest gap much smaller.
+    pub reverse: Vec<Side>,
+    /// The greatest gap left when they are reversed, a length.
+    pub remaining: f64,
+}
+
+impl Compatibility {
+    /// True if everything fits.
+    pub fn is_compatible(&self) -> bool {
+        self.disagreements.is_empty()
+    }
+
+    fn has(&self, wanted: impl Fn(Datum) -> bool) -> bool {
+        self.disagreements.iter().any(|d| wanted(d.datum))
+    }
+}
+
+impl fmt::Display for Compatibility {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let all: Vec<String> = self.disagreements.iter().map(|d| d.to_string()).collect();
+        write!(f, "{}", all.join("; "))?;
+        if !self.reverse.is_empty() {
+            let names: Vec<&str> = self.reverse.iter().map(|s| s.name()).collect();
+            write!(f, "; reverse {}", names.join(" and "))?;
+            if self.remaining > 0.0 {
+                write!(f, ", which leaves a gap of {:.6e}", self.remaining)?;
+            }
+        } else if self.has(|d| d == Datum::Position) {
+            write!(f, "; move the ends of the boundary curves together")?;
+        } else if self.has(|d| d != Datum::Twist) {
+            write!(
+                f,
+                "; a cross-derivative must begin and end with the tangents of the boundary curves it meets"
+            )?;
+        } else if self.has(|d| d == Datum::Twist) {
+            write!(
+                f,
+                "; choose how incompatible twists are resolved: \"gregory\" or \"average\""
+            )?;
+        }
+        Ok(())
+    }
+}
