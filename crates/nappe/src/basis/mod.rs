@@ -196,6 +196,7 @@ impl Functions for Stack {
 
 mod blending;
 mod bspline;
+mod combination;
 mod expression;
 mod framed;
 mod hermite;
@@ -204,6 +205,7 @@ mod turn;
 
 pub use blending::{Blending, BlendingError, BlendingFault};
 pub use bspline::{BSplineBasis, KnotError};
+pub use combination::Combination;
 pub use expression::{ExpressionFunctions, ExpressionFunctionsError};
 pub use framed::Framed;
 pub use hermite::Hermite;

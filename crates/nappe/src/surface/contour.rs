@@ -1,8 +1,7 @@
 //! Four boundary curves that close: what Coons and Diagonal-key surfaces are spanned in.
 
 use super::sides::{Corner, Side};
-use crate::curve::CurveRef;
-use crate::interval::Interval;
+use crate::curve::{CurveRef, on_unit_domain};
 use glam::DVec3;
 use std::fmt;
 use thiserror::Error;
@@ -36,14 +35,6 @@ impl fmt::Display for CornerGap {
 /// What can be wrong with a contour.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum ContourError {
-    /// A curve is not parametrised over `[0, 1]`.
-    #[error("{side} runs over [{}, {}]: a boundary curve must run over [0, 1]", domain.lo, domain.hi)]
-    Domain {
-        /// Which curve.
-        side: Side,
-        /// Its domain.
-        domain: Interval,
-    },
     /// An end of a curve is NaN or infinite.
     #[error("{side} is not finite at t = {t}: {point}")]
     NotFinite {
@@ -81,7 +72,7 @@ fn open_text(gaps: &[CornerGap], tol: f64, reverse: &[Side], remaining: f64) -> 
     text
 }
 
-/// Four boundary curves over `[0, 1]` that meet in the corners: south and north run along u from west to east, west
+/// Four boundary curves that meet in the corners, over `[0, 1]` (others are reparametrised linearly): south and north run along u from west to east, west
 /// and east run along v from south to north.
 #[derive(Clone, Debug)]
 pub struct Contour {
@@ -115,12 +106,8 @@ impl Contour {
         east: CurveRef,
         tol: f64,
     ) -> Result<Self, ContourError> {
-        let sides = [south, north, west, east];
+        let sides = [south, north, west, east].map(on_unit_domain);
         for (side, curve) in Side::ALL.into_iter().zip(&sides) {
-            let domain = curve.domain();
-            if domain != Interval::UNIT {
-                return Err(ContourError::Domain { side, domain });
-            }
             for t in [0.0, 1.0] {
                 let point = curve.point(t);
                 if !point.is_finite() {
@@ -374,17 +361,16 @@ mod tests {
     }
 
     #[test]
-    fn another_domain_is_refused() {
-        let p = [DVec3::ZERO, DVec3::X];
-        let long = Arc::new(NurbsCurve::new(1, vec![0.0, 0.0, 2.0, 2.0], &p, None).unwrap());
-        let l = line([0.0; 3], [1.0, 0.0, 0.0]);
-        let e = Contour::new(l.clone(), l.clone(), long, l).unwrap_err();
-        assert!(matches!(
-            e,
-            ContourError::Domain {
-                side: Side::West,
-                ..
-            }
-        ));
+    fn another_domain_is_mapped_to_the_unit_interval() {
+        let p = P.map(|row| row.map(DVec3::from_array));
+        let west = NurbsCurve::new(1, vec![3.0, 3.0, 5.0, 5.0], &p[0], None).unwrap();
+        let c = Contour::new(
+            line(P[0][0], P[1][0]),
+            line(P[0][1], P[1][1]),
+            Arc::new(west),
+            line(P[1][0], P[1][1]),
+        )
+        .unwrap();
+        assert_eq!(c.west().ends(), p[0]);
     }
 }
