@@ -1,0 +1,869 @@
+//! From values of the file to typed data, by the registry's shapes. Every fault is reported, not only the first.
+
+use crate::diagnostics::{Diagnostic, Diagnostics};
+use crate::params::{self, Broken, Scope, Subject};
+use crate::registry::{Key, Kind, Need, Shape};
+use crate::value::{Node, Span, Table, Value};
+use nappe::DVec3;
+use nappe::expr::{Bound, nearest};
+use nappe::surface::Side;
+use std::f64::consts::{PI, TAU};
+
+/// A datum of the shape that the registry asks for.
+#[derive(Clone, Debug)]
+pub(crate) enum Datum {
+    Number(f64),
+    /// In radians.
+    Angle(f64),
+    Bool(bool),
+    /// A text, a word of a choice, or the name of a surface.
+    Text(String),
+    Vector(DVec3),
+    Formula(Bound),
+    Curve(CurveSource),
+    Side(SideName),
+    /// A list; of a grid, the rows.
+    List(Vec<Item>),
+    Record(Fields),
+}
+
+/// Where a curve comes from.
+#[derive(Clone, Debug)]
+pub(crate) enum CurveSource {
+    Named(String),
+    Side(SideName),
+    Inline(Box<Object>),
+}
+
+/// A side of a surface by name.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SideName {
+    pub(crate) surface: String,
+    pub(crate) side: Side,
+}
+
+/// A datum and its place.
+#[derive(Clone, Debug)]
+pub(crate) struct Item {
+    pub(crate) span: Span,
+    pub(crate) datum: Datum,
+}
+
+/// The values of a table, complete by the registry.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Fields {
+    entries: Vec<(&'static str, Item)>,
+    /// Where the table is named; the place of what is missing.
+    pub(crate) span: Span,
+}
+
+/// A curve or surface as written.
+#[derive(Clone, Debug)]
+pub(crate) struct Object {
+    /// Such as "surface `dome`".
+    pub(crate) label: String,
+    pub(crate) kind: &'static Kind,
+    pub(crate) fields: Fields,
+    pub(crate) construction_only: bool,
+}
+
+impl Fields {
+    pub(crate) fn get(&self, name: &str) -> Option<&Item> {
+        self.entries
+            .iter()
+            .find(|(k, _)| *k == name)
+            .map(|(_, v)| v)
+    }
+
+    /// The most specific place: an entry of a key's list, the key's value, or the table.
+    pub(crate) fn place(&self, name: &str, path: &[usize]) -> Span {
+        let Some(mut item) = self.get(name) else {
+            return self.span.clone();
+        };
+        for &i in path {
+            match &item.datum {
+                Datum::List(l) if i < l.len() => item = &l[i],
+                _ => break,
+            }
+        }
+        item.span.clone()
+    }
+
+    pub(crate) fn number(&self, name: &str) -> Option<f64> {
+        match self.get(name)?.datum {
+            Datum::Number(x) | Datum::Angle(x) => Some(x),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn flag(&self, name: &str) -> bool {
+        matches!(self.get(name).map(|i| &i.datum), Some(Datum::Bool(true)))
+    }
+
+    pub(crate) fn text(&self, name: &str) -> Option<&str> {
+        match &self.get(name)?.datum {
+            Datum::Text(t) => Some(t),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn vector(&self, name: &str) -> Option<DVec3> {
+        self.get(name)?.vector()
+    }
+
+    pub(crate) fn record(&self, name: &str) -> Option<&Fields> {
+        match &self.get(name)?.datum {
+            Datum::Record(r) => Some(r),
+            _ => None,
+        }
+    }
+
+    pub(crate) fn list(&self, name: &str) -> Option<&[Item]> {
+        self.get(name)?.list()
+    }
+
+    pub(crate) fn vectors(&self, name: &str) -> Option<Vec<DVec3>> {
+        self.list(name)?.iter().map(Item::vector).collect()
+    }
+
+    pub(crate) fn numbers(&self, name: &str) -> Option<Vec<f64>> {
+        self.list(name)?.iter().map(Item::number).collect()
+    }
+
+    pub(crate) fn vector_rows(&self, name: &str) -> Option<Vec<Vec<DVec3>>> {
+        self.list(name)?
+            .iter()
+            .map(|row| row.list()?.iter().map(Item::vector).collect())
+            .collect()
+    }
+
+    pub(crate) fn number_rows(&self, name: &str) -> Option<Vec<Vec<f64>>> {
+        self.list(name)?
+            .iter()
+            .map(|row| row.list()?.iter().map(Item::number).collect())
+            .collect()
+    }
+}
+
+impl Item {
+    pub(crate) fn number(&self) -> Option<f64> {
+        match self.datum {
+            Datum::Number(x) | Datum::Angle(x) => Some(x),
+            _ => None,
+        }
+    }
+
+    /// A vector, or a direction given as `x`, `y` or `z`.
+    pub(crate) fn vector(&self) -> Option<DVec3> {
+        match &self.datum {
+            Datum::Vector(v) => Some(*v),
+            Datum::Text(t) => match t.as_str() {
+                "x" => Some(DVec3::X),
+                "y" => Some(DVec3::Y),
+                "z" => Some(DVec3::Z),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+
+    pub(crate) fn list(&self) -> Option<&[Item]> {
+        match &self.datum {
+            Datum::List(l) => Some(l),
+            _ => None,
+        }
+    }
+}
+
+/// Reads data with a scope of parameters and a list for what is wrong.
+pub(crate) struct Decoder<'a> {
+    pub(crate) scope: &'a Scope,
+    pub(crate) diags: &'a mut Diagnostics,
+}
+
+type Decoded<T> = Result<T, Broken>;
+
+impl Decoder<'_> {
+    /// Reads a curve or surface: its kind, its keys, everything that is wrong with them.
+    pub(crate) fn object(
+        &mut self,
+        label: &str,
+        place: &Span,
+        node: &Node,
+        kinds: &'static [Kind],
+    ) -> Decoded<Object> {
+        let Value::Table(table) = &node.value else {
+            self.diags.push(
+                Diagnostic::new(
+                    "shape",
+                    format!("{label}: expected a table, found {}", node.describe()),
+                )
+                .at(node.span.clone(), "not a table")
+                .help("write { kind = \"…\", … }"),
+            );
+            return Err(Broken);
+        };
+        let kind = self.kind(label, place, table, kinds);
+        let construction_only = match table.get("construction_only").map(|n| (&n.value, n)) {
+            None => Ok(false),
+            Some((Value::Bool(b), _)) => Ok(*b),
+            Some((_, n)) => {
+                self.wrong(
+                    Subject {
+                        object: label,
+                        key: "construction_only",
+                    },
+                    n,
+                    &Shape::Bool,
+                );
+                Err(Broken)
+            }
+        };
+        let kind = kind?;
+        let fields = self.fields(
+            label,
+            "",
+            place,
+            table,
+            kind.keys,
+            &["kind", "construction_only"],
+            kind.name,
+        );
+        Ok(Object {
+            label: label.into(),
+            kind,
+            fields: fields?,
+            construction_only: construction_only?,
+        })
+    }
+
+    fn kind(
+        &mut self,
+        label: &str,
+        place: &Span,
+        table: &Table,
+        kinds: &'static [Kind],
+    ) -> Decoded<&'static Kind> {
+        let names = || kinds.iter().map(|k| k.name);
+        let list = || names().collect::<Vec<_>>().join(", ");
+        let Some(node) = table.get("kind") else {
+            self.diags.push(
+                Diagnostic::new("missing-key", format!("{label}: `kind` is missing"))
+                    .at(place.clone(), "what kind is it?")
+                    .help(format!("kinds are {}", list())),
+            );
+            return Err(Broken);
+        };
+        let Value::Text { text, .. } = &node.value else {
+            self.wrong(
+                Subject {
+                    object: label,
+                    key: "kind",
+                },
+                node,
+                &Shape::Text,
+            );
+            return Err(Broken);
+        };
+        kinds.iter().find(|k| k.name == text).ok_or_else(|| {
+            let help = match nearest(text, names()) {
+                Some(n) => format!("did you mean \"{n}\"?"),
+                None => format!("kinds are {}", list()),
+            };
+            self.diags.push(
+                Diagnostic::new(
+                    "unknown-kind",
+                    format!("{label}: there is no kind \"{text}\""),
+                )
+                .at(node.span.clone(), "unknown kind")
+                .help(help),
+            );
+            Broken
+        })
+    }
+
+    /// Reads a table by its keys; `what` names it for messages about its keys.
+    #[allow(clippy::too_many_arguments)]
+    pub(crate) fn fields(
+        &mut self,
+        label: &str,
+        prefix: &str,
+        place: &Span,
+        table: &Table,
+        keys: &'static [Key],
+        also: &[&str],
+        what: &str,
+    ) -> Decoded<Fields> {
+        let mut out = Fields {
+            entries: Vec::new(),
+            span: place.clone(),
+        };
+        let mut broken = false;
+        for (k, v) in &table.entries {
+            if also.contains(&k.name.as_str()) {
+                continue;
+            }
+            let Some(key) = keys.iter().find(|x| x.name == k.name) else {
+                self.unknown_key(label, &k.name, &k.span, keys, also, what);
+                broken = true;
+                continue;
+            };
+            let path = if prefix.is_empty() {
+                k.name.clone()
+            } else {
+                format!("{prefix}.{}", k.name)
+            };
+            match self.datum(
+                Subject {
+                    object: label,
+                    key: &path,
+                },
+                v,
+                &key.shape,
+            ) {
+                Ok(datum) => out.entries.push((
+                    key.name,
+                    Item {
+                        span: v.span.clone(),
+                        datum,
+                    },
+                )),
+                Err(Broken) => broken = true,
+            }
+        }
+        broken |= self.missing(label, place, table, keys, what).is_err();
+        if broken { Err(Broken) } else { Ok(out) }
+    }
+
+    fn unknown_key(
+        &mut self,
+        label: &str,
+        name: &str,
+        span: &Span,
+        keys: &[Key],
+        also: &[&str],
+        what: &str,
+    ) {
+        let names = keys.iter().map(|k| k.name).chain(also.iter().copied());
+        let help = match nearest(name, names.clone()) {
+            Some(n) => format!("did you mean `{n}`?"),
+            None => format!("keys are {}", names.collect::<Vec<_>>().join(", ")),
+        };
+        let message = if what.is_empty() {
+            format!("{label}: there is no key `{name}`")
+        } else {
+            format!("{label}: {what} has no key `{name}`")
+        };
+        self.diags.push(
+            Diagnostic::new("unknown-key", message)
+                .at(span.clone(), "unknown key")
+                .help(help),
+        );
+    }
+
+    /// Reports required keys that are not there, and keys of forms that exclude each other.
+    fn missing(
+        &mut self,
+        label: &str,
+        place: &Span,
+        table: &Table,
+        keys: &[Key],
+        what: &str,
+    ) -> Decoded<()> {
+        let has = |k: &Key| table.get(k.name).is_some();
+        let form = |f: usize| keys.iter().filter(move |k| k.need == Need::Form(f));
+        let forms = keys
+            .iter()
+            .filter_map(|k| {
+                if let Need::Form(f) = k.need {
+                    Some(f + 1)
+                } else {
+                    None
+                }
+            })
+            .max();
+        let forms = forms.unwrap_or(0);
+        let chosen =
+            (0..forms).max_by_key(|&f| (form(f).filter(|k| has(k)).count(), usize::MAX - f));
+        let needed =
+            |k: &&Key| k.need == Need::Required || chosen.is_some_and(|f| k.need == Need::Form(f));
+        let mut result = Ok(());
+        let what = if what.is_empty() {
+            String::new()
+        } else {
+            format!(" ({what})")
+        };
+        // A misspelt key has been reported with the right name; it is not reported as missing too.
+        let misspelt = |k: &Key| {
+            let unknown = table
+                .entries
+                .iter()
+                .filter(|(x, _)| keys.iter().all(|k| k.name != x.name));
+            unknown
+                .map(|(x, _)| nearest(&x.name, keys.iter().map(|k| k.name)))
+                .any(|n| n == Some(k.name))
+        };
+        for k in keys.iter().filter(needed).filter(|k| !has(k)) {
+            if misspelt(k) {
+                result = Err(Broken);
+                continue;
+            }
+            let mut help = format!("`{}` is {}: {}", k.name, k.shape.describe(), k.doc);
+            if matches!(k.need, Need::Form(_)) && chosen.is_some_and(|f| form(f).all(|k| !has(k))) {
+                let others: Vec<String> = (0..forms)
+                    .map(|f| {
+                        form(f)
+                            .map(|k| format!("`{}`", k.name))
+                            .collect::<Vec<_>>()
+                            .join(", ")
+                    })
+                    .collect();
+                help = format!("give {}", others.join(", or "));
+            }
+            self.diags.push(
+                Diagnostic::new(
+                    "missing-key",
+                    format!("{label}{what}: `{}` is missing", k.name),
+                )
+                .at(place.clone(), "")
+                .help(help),
+            );
+            result = Err(Broken);
+        }
+        for (k, _) in &table.entries {
+            let Some(Need::Form(f)) = keys.iter().find(|x| x.name == k.name).map(|x| x.need) else {
+                continue;
+            };
+            if Some(f) != chosen {
+                let own: Vec<&str> = chosen
+                    .into_iter()
+                    .flat_map(form)
+                    .filter(|k| has(k))
+                    .map(|k| k.name)
+                    .collect();
+                self.diags.push(
+                    Diagnostic::new(
+                        "conflict",
+                        format!(
+                            "{label}{what}: `{}` cannot stand together with `{}`",
+                            k.name,
+                            own.join("`, `")
+                        ),
+                    )
+                    .at(k.span.clone(), "one or the other")
+                    .help(format!(
+                        "remove `{}`, or `{}`",
+                        k.name,
+                        own.join("` and `")
+                    )),
+                );
+                result = Err(Broken);
+            }
+        }
+        result
+    }
+
+    /// Reports a value of the wrong shape.
+    fn wrong(&mut self, subject: Subject<'_>, node: &Node, shape: &Shape) {
+        self.diags.push(
+            Diagnostic::new(
+                "shape",
+                subject.say(format!(
+                    "expected {}, found {}",
+                    shape.describe(),
+                    node.describe()
+                )),
+            )
+            .at(node.span.clone(), "wrong shape")
+            .help(format!("write {}", shape.describe())),
+        );
+    }
+
+    /// Reads a value by its shape.
+    pub(crate) fn datum(
+        &mut self,
+        subject: Subject<'_>,
+        node: &Node,
+        shape: &Shape,
+    ) -> Decoded<Datum> {
+        match (shape, &node.value) {
+            (Shape::Number, Value::Number(_) | Value::Text { .. }) => self
+                .scope
+                .number(node, subject, self.diags)
+                .map(Datum::Number),
+            (Shape::Count(least), Value::Number(_) | Value::Text { .. }) => {
+                let x = self.scope.number(node, subject, self.diags)?;
+                if x.fract() == 0.0 && x >= f64::from(*least) && x <= f64::from(u32::MAX) {
+                    return Ok(Datum::Number(x));
+                }
+                self.diags.push(
+                    Diagnostic::new(
+                        "value",
+                        subject.say(format!("expected a whole number from {least}, found {x}")),
+                    )
+                    .at(node.span.clone(), "not a whole number in range")
+                    .help(format!("write a whole number from {least}")),
+                );
+                Err(Broken)
+            }
+            (Shape::Angle, _) => self.angle(subject, node).map(Datum::Angle),
+            (Shape::Bool, Value::Bool(b)) => Ok(Datum::Bool(*b)),
+            (Shape::Text | Shape::Surface, Value::Text { text, .. }) => {
+                Ok(Datum::Text(text.clone()))
+            }
+            (Shape::Vector, Value::List(list)) => {
+                self.vector(subject, node, list).map(Datum::Vector)
+            }
+            (Shape::Choice(words), Value::Text { text, .. }) => {
+                self.choice(subject, node, text, words)
+            }
+            (Shape::Formula(variables), Value::Text { text, .. }) => {
+                let e = params::parse(text, 0, node, subject, self.diags)?;
+                self.scope
+                    .bind(&e, 0, variables, node, subject, self.diags)
+                    .map(Datum::Formula)
+            }
+            (Shape::Formula(variables), Value::Number(x)) => {
+                let x = self.scope.number(
+                    &Node {
+                        value: Value::Number(*x),
+                        ..node.clone()
+                    },
+                    subject,
+                    self.diags,
+                )?;
+                let text = if x < 0.0 {
+                    format!("-{:?}", -x)
+                } else {
+                    format!("{x:?}")
+                };
+                let e = params::parse(&text, 0, node, subject, self.diags)?;
+                self.scope
+                    .bind(&e, 0, variables, node, subject, self.diags)
+                    .map(Datum::Formula)
+            }
+            (Shape::Curve, Value::Text { text, .. }) => {
+                Ok(Datum::Curve(match text.contains('.') {
+                    true => CurveSource::Side(self.side(subject, node, text)?),
+                    false => CurveSource::Named(text.clone()),
+                }))
+            }
+            (Shape::Curve, Value::Table(_)) => {
+                let label = format!("{}, `{}`", subject.object, subject.key);
+                let object = self.object(&label, &node.span, node, crate::registry::CURVES)?;
+                Ok(Datum::Curve(CurveSource::Inline(Box::new(object))))
+            }
+            (Shape::Side, Value::Text { text, .. }) => {
+                self.side(subject, node, text).map(Datum::Side)
+            }
+            (Shape::List(item, length), Value::List(list)) => {
+                if length.is_some_and(|n| n != list.len()) {
+                    self.wrong(subject, node, shape);
+                    return Err(Broken);
+                }
+                self.list(subject, list, item).map(Datum::List)
+            }
+            (Shape::Grid(item, size), Value::List(rows)) => {
+                self.grid(subject, node, rows, item, *size, shape)
+            }
+            (Shape::Record(keys), Value::Table(t)) => {
+                let what = format!("`{}`", subject.key);
+                let fields =
+                    self.fields(subject.object, subject.key, &node.span, t, keys, &[], &what)?;
+                Ok(Datum::Record(fields))
+            }
+            (Shape::Either(shapes), _) => match pick(shapes, node) {
+                Some(s) => self.datum(subject, node, s),
+                None => {
+                    self.wrong(subject, node, shape);
+                    Err(Broken)
+                }
+            },
+            _ => {
+                self.wrong(subject, node, shape);
+                Err(Broken)
+            }
+        }
+    }
+
+    fn choice(
+        &mut self,
+        subject: Subject<'_>,
+        node: &Node,
+        text: &str,
+        words: &[&str],
+    ) -> Decoded<Datum> {
+        if words.contains(&text) {
+            return Ok(Datum::Text(text.into()));
+        }
+        let help = match nearest(text, words.iter().copied()) {
+            Some(n) => format!("did you mean \"{n}\"?"),
+            None => format!("it is one of {}", words.join(", ")),
+        };
+        self.diags.push(
+            Diagnostic::new(
+                "value",
+                subject.say(format!("\"{text}\" is not one of {}", words.join(", "))),
+            )
+            .at(node.span.clone(), "unknown word")
+            .help(help),
+        );
+        Err(Broken)
+    }
+
+    fn list(&mut self, subject: Subject<'_>, list: &[Node], item: &Shape) -> Decoded<Vec<Item>> {
+        // All entries are read, so that all faults are reported.
+        let items: Vec<Decoded<Item>> = list
+            .iter()
+            .enumerate()
+            .map(|(i, n)| {
+                let key = format!("{}[{i}]", subject.key);
+                let datum = self.datum(
+                    Subject {
+                        key: &key,
+                        ..subject
+                    },
+                    n,
+                    item,
+                )?;
+                Ok(Item {
+                    span: n.span.clone(),
+                    datum,
+                })
+            })
+            .collect();
+        items.into_iter().collect()
+    }
+
+    fn grid(
+        &mut self,
+        subject: Subject<'_>,
+        node: &Node,
+        rows: &[Node],
+        item: &Shape,
+        size: Option<(usize, usize)>,
+        shape: &Shape,
+    ) -> Decoded<Datum> {
+        if size.is_some_and(|(r, _)| r != rows.len()) {
+            self.wrong(subject, node, shape);
+            return Err(Broken);
+        }
+        let columns = match (size, rows.first().map(|r| &r.value)) {
+            (Some((_, c)), _) => Some(c),
+            (None, Some(Value::List(l))) => Some(l.len()),
+            _ => None,
+        };
+        let mut out = Vec::with_capacity(rows.len());
+        let mut broken = false;
+        for (i, row) in rows.iter().enumerate() {
+            let key = format!("{}[{i}]", subject.key);
+            let subject = Subject {
+                key: &key,
+                ..subject
+            };
+            let Value::List(list) = &row.value else {
+                self.wrong(subject, row, &Shape::List(&Shape::Vector, None));
+                broken = true;
+                continue;
+            };
+            if let Some(c) = columns.filter(|c| *c != list.len()) {
+                let why = if size.is_some() {
+                    String::new()
+                } else {
+                    " like the first row".to_owned()
+                };
+                self.diags.push(
+                    Diagnostic::new(
+                        "shape",
+                        subject.say(format!(
+                            "this row is of length {}; it must be of length {c}{why}",
+                            list.len()
+                        )),
+                    )
+                    .at(row.span.clone(), format!("length {}", list.len()))
+                    .help("let all rows have the same length"),
+                );
+                broken = true;
+                continue;
+            }
+            match self.list(subject, list, item) {
+                Ok(items) => out.push(Item {
+                    span: row.span.clone(),
+                    datum: Datum::List(items),
+                }),
+                Err(Broken) => broken = true,
+            }
+        }
+        if broken {
+            Err(Broken)
+        } else {
+            Ok(Datum::List(out))
+        }
+    }
+
+    fn vector(&mut self, subject: Subject<'_>, node: &Node, list: &[Node]) -> Decoded<DVec3> {
+        if list.len() != 3 {
+            let what = format!(
+                "expected three numbers [x, y, z], found {}",
+                node.describe()
+            );
+            self.diags.push(
+                Diagnostic::new("shape", subject.say(what))
+                    .at(node.span.clone(), format!("{} instead of 3", list.len()))
+                    .help("write three numbers [x, y, z]"),
+            );
+            return Err(Broken);
+        }
+        let parts: Vec<Decoded<f64>> = list
+            .iter()
+            .enumerate()
+            .map(|(i, n)| {
+                let key = format!("{}.{}", subject.key, ["x", "y", "z"][i]);
+                self.scope.number(
+                    n,
+                    Subject {
+                        key: &key,
+                        ..subject
+                    },
+                    self.diags,
+                )
+            })
+            .collect();
+        match parts[..] {
+            [Ok(x), Ok(y), Ok(z)] => Ok(DVec3::new(x, y, z)),
+            _ => Err(Broken),
+        }
+    }
+
+    fn side(&mut self, subject: Subject<'_>, node: &Node, text: &str) -> Decoded<SideName> {
+        let parsed = text.rsplit_once('.').map(|(surface, side)| {
+            let found = nappe::surface::Side::ALL
+                .into_iter()
+                .find(|s| s.name() == side);
+            (surface, side, found)
+        });
+        match parsed {
+            Some((surface, _, Some(side))) if !surface.is_empty() => Ok(SideName {
+                surface: surface.into(),
+                side,
+            }),
+            Some((surface, wrong, None)) if !surface.is_empty() => {
+                let names = Side::ALL.map(Side::name);
+                let help = match nearest(wrong, names) {
+                    Some(n) => format!("did you mean \"{surface}.{n}\"?"),
+                    None => {
+                        "sides are south (v = 0), north (v = 1), west (u = 0), east (u = 1)".into()
+                    }
+                };
+                self.diags.push(
+                    Diagnostic::new(
+                        "unknown-side",
+                        subject.say(format!("there is no side `{wrong}`")),
+                    )
+                    .at(node.place(&(surface.len() + 1..text.len())), "unknown side")
+                    .help(help),
+                );
+                Err(Broken)
+            }
+            _ => {
+                self.wrong(subject, node, &Shape::Side);
+                Err(Broken)
+            }
+        }
+    }
+
+    /// An angle with its unit, in radians.
+    fn angle(&mut self, subject: Subject<'_>, node: &Node) -> Decoded<f64> {
+        match &node.value {
+            Value::Text { text, .. } => {
+                let unit = split_unit(text);
+                let Some((number, factor)) = unit else {
+                    self.diags.push(
+                        Diagnostic::new(
+                            "angle",
+                            subject.say(format!("the angle \"{text}\" has no unit")),
+                        )
+                        .at(node.span.clone(), "deg, rad or turn?")
+                        .help(format!("write \"({text}) deg\", or rad, or turn")),
+                    );
+                    return Err(Broken);
+                };
+                let x = self.scope.evaluate(number, 0, node, subject, self.diags)?;
+                Ok(x * factor)
+            }
+            Value::Number(x) => {
+                self.diags.push(
+                    Diagnostic::new("angle", subject.say(format!("the angle {x} has no unit")))
+                        .at(node.span.clone(), "deg, rad or turn?")
+                        .help(format!("write \"{x}deg\", \"{x}rad\" or \"{x}turn\"")),
+                );
+                Err(Broken)
+            }
+            _ => {
+                self.wrong(subject, node, &Shape::Angle);
+                Err(Broken)
+            }
+        }
+    }
+}
+
+/// The number of an angle and what a unit of it is in radians.
+fn split_unit(text: &str) -> Option<(&str, f64)> {
+    let trimmed = text.trim_end();
+    [("deg", PI / 180.0), ("rad", 1.0), ("turn", TAU)]
+        .into_iter()
+        .find_map(|(unit, factor)| {
+            let number = trimmed.strip_suffix(unit)?;
+            // The unit follows a number, a bracket or a blank: `my_rad` does not end in a unit.
+            let free = number.ends_with(|c: char| !(c.is_alphabetic() || c == '_'));
+            free.then_some((number, factor))
+        })
+}
+
+/// The one of several shapes that a value is meant to have.
+fn pick<'s>(shapes: &'s [Shape], node: &Node) -> Option<&'s Shape> {
+    let exact = shapes.iter().find(|s| match (s, &node.value) {
+        (Shape::Choice(words), Value::Text { text, .. }) => words.contains(&text.as_str()),
+        (Shape::Record(keys), Value::Table(t)) => {
+            t.get("kind").is_none()
+                && t.entries
+                    .iter()
+                    .any(|(k, _)| keys.iter().any(|x| x.name == k.name))
+        }
+        (Shape::Curve, Value::Table(t)) => t.get("kind").is_some(),
+        (Shape::List(item, _), Value::List(l)) => l.first().is_some_and(|x| fits(item, x)),
+        _ => false,
+    });
+    exact.or_else(|| {
+        let words = |s: &&Shape| matches!(s, Shape::Choice(_));
+        // A misspelt word of a choice looks like a name: other shapes that take texts come first.
+        shapes
+            .iter()
+            .filter(|s| !words(s))
+            .chain(shapes.iter().filter(words))
+            .find(|s| fits(s, node))
+    })
+}
+
+/// True if a value has the outer form of a shape.
+fn fits(shape: &Shape, node: &Node) -> bool {
+    match &node.value {
+        Value::Number(_) => matches!(shape, Shape::Number | Shape::Count(_) | Shape::Formula(_)),
+        Value::Text { text, .. } => match shape {
+            Shape::Angle => split_unit(text).is_some(),
+            Shape::Number
+            | Shape::Count(_)
+            | Shape::Formula(_)
+            | Shape::Text
+            | Shape::Choice(_)
+            | Shape::Curve
+            | Shape::Surface
+            | Shape::Side => true,
+            _ => false,
+        },
+        Value::Bool(_) => matches!(shape, Shape::Bool),
+        Value::List(_) => matches!(shape, Shape::List(..) | Shape::Grid(..) | Shape::Vector),
+        Value::Table(_) => matches!(shape, Shape::Record(_) | Shape::Curve),
+        Value::Date => false,
+    }
+}

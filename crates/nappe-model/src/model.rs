@@ -1,0 +1,143 @@
+//! A model: what a file describes, built.
+
+use crate::checks::Check;
+use crate::diagnostics::Diagnostics;
+use crate::params::Parameter;
+use nappe::DVec3;
+use nappe::curve::CurveRef;
+use nappe::surface::SurfaceRef;
+
+/// The unit of length of a model.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Units {
+    /// Millimetres.
+    #[default]
+    Millimetre,
+    /// Centimetres.
+    Centimetre,
+    /// Metres.
+    Metre,
+    /// Inches.
+    Inch,
+    /// Feet.
+    Foot,
+}
+
+impl Units {
+    /// The name in files: mm, cm, m, in, ft.
+    pub fn name(self) -> &'static str {
+        match self {
+            Units::Millimetre => "mm",
+            Units::Centimetre => "cm",
+            Units::Metre => "m",
+            Units::Inch => "in",
+            Units::Foot => "ft",
+        }
+    }
+
+    /// The unit of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [
+            Units::Millimetre,
+            Units::Centimetre,
+            Units::Metre,
+            Units::Inch,
+            Units::Foot,
+        ]
+        .into_iter()
+        .find(|u| u.name() == name)
+    }
+
+    /// Its length in millimetres.
+    pub fn millimetres(self) -> f64 {
+        match self {
+            Units::Millimetre => 1.0,
+            Units::Centimetre => 10.0,
+            Units::Metre => 1000.0,
+            Units::Inch => 25.4,
+            Units::Foot => 304.8,
+        }
+    }
+}
+
+/// A curve of a model.
+#[derive(Clone, Debug)]
+pub struct NamedCurve {
+    /// Its name.
+    pub name: String,
+    /// Its kind, as written.
+    pub kind: &'static str,
+    /// The curve.
+    pub curve: CurveRef,
+    /// Built for others; not put out.
+    pub construction_only: bool,
+}
+
+/// A surface of a model.
+///
+/// An object that makes several surfaces (a whole quadric, a surface of revolution by quarters, the
+/// image of a join) gives one entry for each, named `object/part`, in a fixed order.
+#[derive(Clone, Debug)]
+pub struct NamedSurface {
+    /// Its name: the object's, or `object/part`.
+    pub name: String,
+    /// The name of the object that made it.
+    pub object: String,
+    /// Its kind, as written.
+    pub kind: &'static str,
+    /// The surface.
+    pub surface: SurfaceRef,
+    /// Built for others; not put out.
+    pub construction_only: bool,
+    /// The control net, rows along u, if the kind is given by one.
+    pub control_net: Option<Vec<Vec<DVec3>>>,
+}
+
+/// A `join`. Its members stand in the model's list of surfaces by their own names and are put out once, there.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Join {
+    /// Its name.
+    pub name: String,
+    /// The names of its members in the model's list of surfaces.
+    pub members: Vec<String>,
+}
+
+/// What a file describes.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// The title, or the file's name.
+    pub title: String,
+    /// The unit of length.
+    pub units: Units,
+    /// The greatest distance of a mesh from the surface, in units, if given.
+    pub tolerance: Option<f64>,
+    /// The parameters in the order of the file, overrides applied.
+    pub params: Vec<Parameter>,
+    /// All curves in the order of the file.
+    pub curves: Vec<NamedCurve>,
+    /// All surfaces in the order of the file.
+    pub surfaces: Vec<NamedSurface>,
+    /// The joins: surfaces that were found to belong together without gaps.
+    pub joins: Vec<Join>,
+    /// The declared checks.
+    pub checks: Vec<Check>,
+    /// What should be known about it; no errors.
+    pub warnings: Diagnostics,
+}
+
+impl Model {
+    /// A surface by name.
+    pub fn surface(&self, name: &str) -> Option<&NamedSurface> {
+        self.surfaces.iter().find(|s| s.name == name)
+    }
+
+    /// A curve by name.
+    pub fn curve(&self, name: &str) -> Option<&NamedCurve> {
+        self.curves.iter().find(|c| c.name == name)
+    }
+
+    /// The surfaces that are put out.
+    pub fn output(&self) -> impl Iterator<Item = &NamedSurface> {
+        self.surfaces.iter().filter(|s| !s.construction_only)
+    }
+}
