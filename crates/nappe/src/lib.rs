@@ -15,6 +15,7 @@ mod box3;
 mod breaks;
 mod frame;
 mod interval;
+mod linear;
 
 pub use box3::Box3;
 pub use breaks::{Break, Breaks, Limit, UNIT_BREAKS, merge_breaks};

@@ -93,6 +93,16 @@ pub enum CurveError {
     /// End tangents are given for a closed curve, which has no ends.
     #[error("a closed curve has no ends: remove the end tangents or do not close it")]
     TangentOfClosed,
+    /// The equations of an interpolation cannot be solved with enough digits.
+    #[error(
+        "no curve of this degree passes through the points reliably (point {index} is missed by {distance:e}): the points are too unevenly spaced; use degree 3 or another spacing"
+    )]
+    IllConditioned {
+        /// The point that is missed.
+        index: usize,
+        /// By how much.
+        distance: f64,
+    },
     /// A part of a curve has no extent or leaves the curve.
     #[error(
         "the part from {from} to {to} is not a part of positive length of the curve, which runs from {} to {}",
