@@ -1,13 +1,19 @@
 //! Exact forms: piecewise rational functions, NURBS curves and surfaces, and the tools between them.
 
+mod approximate;
 mod arcs;
 mod curve_tools;
+mod hermite;
 mod nurbs_curve;
 mod nurbs_surface;
 mod piecewise;
 mod spline;
 mod surface_tools;
 
+pub use approximate::{
+    ApproximationError, Converted, approximate_curve, approximate_surface, to_nurbs_or_approximate,
+    to_nurbs_or_approximate_curve,
+};
 pub use arcs::ConicArcs;
 pub use curve_tools::compatible;
 pub use nurbs_curve::{NurbsCurve, NurbsError};

@@ -6,7 +6,7 @@ use super::spline::{Row, join};
 use super::{NurbsError, PiecewiseRational};
 use crate::basis::{BSplineBasis, Functions, KnotError};
 use crate::box3::Box3;
-use crate::breaks::{Break, Limit};
+use crate::breaks::{Break, Breaks, Limit};
 use crate::interval::Interval;
 use crate::surface::{Core, Dir, Separable, Surface};
 use glam::{DVec3, DVec4, Vec4Swizzles};
@@ -165,25 +165,40 @@ impl NurbsSurface {
                 }
             }
         }
-        // Join along v for all rows of the grid together, then along u.
-        let rows = || (0..pieces_u).flat_map(|a| (0..=p).map(move |i| (a, i)));
+        let point = |a, b, i, j| grid[at(a, b, i, j)];
+        Self::from_grid([u.breaks(), v.breaks()], [p, q], point).ok()
+    }
+
+    /// Joins Bézier patches over a grid of breaks (whose smoothness is that of the homogeneous form) into one surface:
+    /// `point(a, b, i, j)` is the point (i, j) of the patch over the a-th piece in u and the b-th in v.
+    pub(crate) fn from_grid(
+        breaks: [&[Break]; 2],
+        degree: [usize; 2],
+        point: impl Fn(usize, usize, usize, usize) -> DVec4,
+    ) -> Result<Self, NurbsError> {
+        let [pieces_u, pieces_v] = breaks.map(|b| b.pieces());
+        let [p, q] = degree;
+        // Along v for all rows of the grid together, then along u.
         let along_v: Vec<Vec<Row>> = (0..pieces_v)
             .map(|b| {
-                let column = |j| rows().map(|(a, i)| grid[at(a, b, i, j)]).collect();
+                let column = |j| {
+                    let rows = (0..pieces_u).flat_map(|a| (0..=p).map(move |i| (a, i)));
+                    rows.map(|(a, i)| point(a, b, i, j)).collect()
+                };
                 (0..=q).map(column).collect()
             })
             .collect();
-        let v = join(v.breaks(), q, &along_v);
+        let v = join(breaks[1], q, &along_v);
         let along_u: Vec<Vec<Row>> = (0..pieces_u)
             .map(|a| {
                 let row = |i| v.rows.iter().map(|c| c[a * (p + 1) + i]).collect();
                 (0..=p).map(row).collect()
             })
             .collect();
-        let u = join(u.breaks(), p, &along_u);
-        Some(Self::from_homogeneous(
-            BSplineBasis::new(p, u.knots).ok()?,
-            BSplineBasis::new(q, v.knots).ok()?,
+        let u = join(breaks[0], p, &along_u);
+        Ok(Self::from_homogeneous(
+            BSplineBasis::new(p, u.knots)?,
+            BSplineBasis::new(q, v.knots)?,
             u.rows.into_iter().flatten().collect(),
         ))
     }
