@@ -1,7 +1,7 @@
 //! Builds the objects of a file in the order in which they need each other.
 
 use crate::MAX_REFERENCE_DEPTH;
-use crate::decode::{CurveSource, Fields, Item, Object, SideName};
+use crate::data::{CurveSource, Fields, Item, Object, SideName};
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::model::Join;
 use crate::value::Span;
@@ -380,7 +380,7 @@ impl<'a> Builder<'a> {
     /// The curve that a datum asks for.
     pub(crate) fn curve(&mut self, item: &Item, label: &str) -> Built<CurveRef> {
         match &item.datum {
-            crate::decode::Datum::Curve(source) => match source {
+            crate::data::Datum::Curve(source) => match source {
                 CurveSource::Named(name) => self.named_curve(name, label, &item.span),
                 CurveSource::Side(side) => self.side(side, label, &item.span),
                 CurveSource::Inline(object) => {

@@ -1,7 +1,8 @@
 //! Declared checks: two sides and how smoothly they are claimed to meet.
 
 use crate::build::Builder;
-use crate::decode::{Datum, Decoder, Fields, SideName};
+use crate::data::{Datum, Fields, SideName};
+use crate::decode::Decoder;
 use crate::diagnostics::Diagnostic;
 use crate::registry::CHECK;
 use crate::value::{Node, Span, Value};

@@ -1,7 +1,7 @@
 //! The kinds of curves: from data to geometry.
 
 use crate::build::{Builder, Built, Stop};
-use crate::decode::{Datum, Fields, Item, Object};
+use crate::data::{Datum, Fields, Item, Object};
 use nappe::basis::KnotError;
 use nappe::curve::{CurveError, CurveRef, conic, polyline};
 use nappe::curve::{

@@ -2,8 +2,8 @@
 
 use crate::build::{Builder, Built, Patch};
 use crate::curves::need;
-use crate::decode::Datum;
-use crate::decode::{Item, Object};
+
+use crate::data::{Datum, Item, Object};
 use nappe::curve::{Curve, Isocurve};
 use nappe::surface::Side;
 use nappe::{Box3, DVec3};

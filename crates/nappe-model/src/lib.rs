@@ -30,14 +30,18 @@
 
 mod build;
 mod checks;
+mod coons;
 mod curves;
+mod data;
 mod decode;
 mod diagnostics;
+mod diagonal_key;
 mod join;
 mod model;
 mod params;
 mod reader;
 pub mod registry;
+mod round;
 mod schema;
 mod surfaces;
 mod value;

@@ -2,7 +2,8 @@
 
 use crate::build::Builder;
 use crate::checks;
-use crate::decode::{Datum, Decoder, Object};
+use crate::data::{Datum, Object};
+use crate::decode::Decoder;
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::model::{Model, NamedCurve, NamedSurface, Units};
 use crate::params::{self, Subject};

@@ -421,7 +421,58 @@ pub const SURFACES: &[Kind] = &[
             key("east", Curve, Form(1), "the side u = 1, along v"),
         ],
     },
-    // PENDING coons
+    Kind {
+        name: "coons",
+        doc: "a surface on four boundary curves",
+        keys: &[
+            SIDES[0],
+            SIDES[1],
+            SIDES[2],
+            SIDES[3],
+            key(
+                "blend",
+                Either(&[
+                    Choice(&["linear", "cubic"]),
+                    Record(&[key("trigonometric", Angle, Required, "the angle α, more than 0 and less than 180deg")]),
+                    Record(&[
+                        key("h1", T_FORMULA, Required, "1 at 0, flat at both ends, 0 at 1"),
+                        key("h2", T_FORMULA, Required, "slope 1 at 0, 0 and flat otherwise"),
+                        key("h3", T_FORMULA, Required, "slope 1 at 1, 0 and flat otherwise"),
+                        key("h4", T_FORMULA, Required, "1 at 1, flat at both ends, 0 at 0"),
+                    ]),
+                ]),
+                Optional("linear"),
+                "the blending functions",
+            ),
+            key(
+                "cross",
+                Either(&[
+                    Choice(&["ferguson", "adini"]),
+                    Record(&[
+                        key("south", CROSS, Optional("estimated"), "∂r/∂v on the side v = 0"),
+                        key("north", CROSS, Optional("estimated"), "∂r/∂v on the side v = 1"),
+                        key("west", CROSS, Optional("estimated"), "∂r/∂u on the side u = 0"),
+                        key("east", CROSS, Optional("estimated"), "∂r/∂u on the side u = 1"),
+                    ]),
+                ]),
+                Optional("ferguson, where the blending uses them"),
+                "the cross-derivatives: curves, those of a neighbour, or estimated from the boundary",
+            ),
+            key("twists", CORNERS, Optional("from the cross-derivatives"), "∂²r/∂u∂v in the corners"),
+            key(
+                "tolerance",
+                Number,
+                Optional("1e-9 of the size"),
+                "how far the boundary curves may miss each other in the corners, a length",
+            ),
+            key(
+                "incompatible_twists",
+                Choice(&["error", "gregory", "average"]),
+                Optional("error"),
+                "what to do where the cross-derivatives give two twists in a corner",
+            ),
+        ],
+    },
     Kind {
         name: "hermite",
         doc: "the bicubic patch of corner data (Ferguson-Coons)",
@@ -548,10 +599,77 @@ pub const SURFACES: &[Kind] = &[
             ),
         ],
     },
-    // PENDING quadric
-    // PENDING torus
+    Kind {
+        name: "quadric",
+        doc: "a quadric, whole or in part",
+        keys: &[
+            key(
+                "shape",
+                Choice(&[
+                    "ellipsoid",
+                    "sphere",
+                    "hyperboloid-1",
+                    "hyperboloid-2",
+                    "elliptic-paraboloid",
+                    "hyperbolic-paraboloid",
+                    "cone",
+                    "cylinder",
+                    "parabolic-cylinder",
+                    "hyperbolic-cylinder",
+                ]),
+                Required,
+                "which",
+            ),
+            key("semi_axes", NUMBERS, Required, "a, b, c of the canonical equation, as many as the shape has; one for a sphere"),
+            key("center", Vector, Optional("the origin"), "where its centre or vertex lies"),
+            key("frame", FRAME, Optional("x, y, z"), "its directions"),
+            key(
+                "range",
+                RANGE,
+                Optional("the whole, or one semi-axis of an unbounded shape"),
+                "the part: u and v are angles round the axis (eccentric) and latitudes, or heights and coordinates",
+            ),
+        ],
+    },
+    Kind {
+        name: "torus",
+        doc: "a torus, whole or in part",
+        keys: &[
+            key("major", Number, Required, "from the axis to the middle of the tube"),
+            key("minor", Number, Required, "the radius of the tube"),
+            key("center", Vector, Optional("the origin"), "the centre"),
+            key("axis", DIRECTION, Optional("z"), "the direction of the axis"),
+            key("range", RANGE, Optional("the whole"), "the part: angles round the axis (u) and round the tube (v, from its outermost circle upwards)"),
+        ],
+    },
     // PENDING fillet
-    // PENDING diagonal-key
+    Kind {
+        name: "diagonal-key",
+        doc: "a surface on four boundary curves by a linear operator",
+        keys: &[
+            SIDES[0],
+            SIDES[1],
+            SIDES[2],
+            SIDES[3],
+            key("p", V_FORMULA, Optional("0"), "free function, plane-parallel case; 0 at both ends"),
+            key("q", V_FORMULA, Optional("0"), "free function, plane-parallel case; 0 at both ends"),
+            key(
+                "plane_axes",
+                List(&DIRECTION, Some(2)),
+                Optional("(y,z), (z,x) or (x,y)"),
+                "the directions of p and q in the planes of the generators",
+            ),
+            key(
+                "free",
+                List(&List(&V_FORMULA, Some(3)), Some(2)),
+                Optional("zero"),
+                "two free vectors g1, g2, in space; 0 at both ends",
+            ),
+            key("normals", List(&DIRECTION, Some(2)), Optional("chosen"), "two directions square to d11"),
+            key("tangent_west", STITCH, Optional("free"), "∂r/∂u on the side u = 0"),
+            key("tangent_east", STITCH, Optional("free"), "∂r/∂u on the side u = 1"),
+        ],
+    },
     Kind {
         name: "transform",
         doc: "a surface mirrored, scaled, turned, moved (in this order)",

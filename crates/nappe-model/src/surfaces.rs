@@ -2,7 +2,7 @@
 
 use crate::build::{Builder, Built, Patch, Stop};
 use crate::curves::{clamped_uniform, knot_place, need, nurbs_place};
-use crate::decode::Object;
+use crate::data::Object;
 use nappe::DVec3;
 use nappe::basis::KnotError;
 use nappe::exact::{NurbsError, NurbsSurface};
@@ -53,6 +53,10 @@ impl Builder<'_> {
             "bezier" | "nurbs" => self.net(o),
             "biquadratic" => self.biquadratic(o),
             "revolution" => self.revolution(o),
+            "coons" => self.coons(o),
+            "diagonal-key" => self.diagonal_key(o),
+            "quadric" => self.quadric(o),
+            "torus" => self.torus(o),
             "transform" => self.transform(o),
             "join" => self.join(o),
             other => Err(self.refuse(
@@ -280,12 +284,15 @@ impl Builder<'_> {
             angle: f.number("angle").unwrap_or(whole),
             construction,
         };
+        if f.text("construction") == Some("coons") {
+            return self.revolution_by_coons(o, profile, axis, options);
+        }
         let surface =
             Revolution::new(profile, axis, options).map_err(|e| self.revolution_error(o, &e))?;
         Ok(Patch::one(Arc::new(surface)))
     }
 
-    fn revolution_error(&mut self, o: &Object, e: &RevolutionError) -> Stop {
+    pub(crate) fn revolution_error(&mut self, o: &Object, e: &RevolutionError) -> Stop {
         let (key, help) = match e {
             RevolutionError::Angle { .. } => {
                 ("angle", "write an angle above 0deg and up to 360deg")
@@ -342,7 +349,7 @@ impl Builder<'_> {
 }
 
 /// A 2 × 2 table of vectors.
-fn square(o: &Object, key: &str) -> Built<Square> {
+pub(crate) fn square(o: &Object, key: &str) -> Built<Square> {
     let rows = need(o.fields.vector_rows(key))?;
     match rows.as_slice() {
         [a, b] if a.len() == 2 && b.len() == 2 => Ok([[a[0], a[1]], [b[0], b[1]]]),

@@ -311,6 +311,13 @@ impl Bound {
         bound
     }
 
+    /// The constant `x`, as a function of `variable`.
+    pub fn constant(x: f64, variable: &str) -> Self {
+        let nodes = vec![Node { op: Op::Number(x), args: [0; 3], span: 0..0 }];
+        let expr = Expr { text: format!("{x:?}").into(), nodes, names: Vec::new() };
+        Self::new(expr, Vec::new(), vec![variable.to_owned()])
+    }
+
     /// The text it was parsed from.
     pub fn text(&self) -> &str {
         &self.expr.text

@@ -1,0 +1,349 @@
+//! Coons surfaces, on their own and as a construction of surfaces of revolution.
+
+use crate::build::{Builder, Built, Patch, Stop};
+use crate::curves::need;
+use crate::data::{Datum, Fields, Item, Object};
+use crate::diagnostics::Diagnostic;
+use crate::surfaces::square;
+use nappe::Frame;
+use nappe::basis::{Blending, BlendingError, ExpressionFunctions, ExpressionFunctionsError};
+use nappe::curve::{CrossDerivative, CurveRef, Isocurve, on_unit_domain};
+use nappe::expr::Bound;
+use nappe::surface::{
+    Compatibility, Contour, ContourError, Coons, CoonsError, CoonsOptions, Cross, Disagreement, Estimate,
+    IncompatibleTwists, Revolution, RevolutionError, RevolutionOptions, Side, Source, SurfaceRef,
+};
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::sync::Arc;
+
+impl Builder<'_> {
+    /// The four boundary curves of an object, south, north, west, east. All are tried, so that all faults are said.
+    pub(crate) fn boundary(&mut self, o: &Object) -> Built<[CurveRef; 4]> {
+        let [s, n, w, e] = Side::ALL.map(|side| self.curve_key(o, side.name()));
+        Ok([s?, n?, w?, e?])
+    }
+
+    pub(crate) fn coons(&mut self, o: &Object) -> Built<Vec<Patch>> {
+        let f = &o.fields;
+        let boundary = self.boundary(o);
+        let blend = self.blend(o);
+        let cross = self.cross(o);
+        let ([south, north, west, east], blend, (cross, estimate)) = (boundary?, blend?, cross?);
+        let mut options = CoonsOptions {
+            blend,
+            cross,
+            estimate,
+            twists: None,
+            incompatible_twists: match f.text("incompatible_twists") {
+                Some("gregory") => IncompatibleTwists::Gregory,
+                Some("average") => IncompatibleTwists::Average,
+                _ => IncompatibleTwists::Error,
+            },
+            tol: CoonsOptions::default().tol,
+        };
+        if f.get("twists").is_some() {
+            options.twists = Some(square(o, "twists")?);
+        }
+        if let Some(tol) = f.number("tolerance") {
+            // The kernel's is relative to the size of the contour.
+            let size = match Contour::with_tolerance(
+                on_unit_domain(south.clone()),
+                on_unit_domain(north.clone()),
+                on_unit_domain(west.clone()),
+                on_unit_domain(east.clone()),
+                tol.max(0.0),
+            ) {
+                Ok(c) => c.size(),
+                Err(e) => return Err(self.contour_error(o, &e)),
+            };
+            if size > 0.0 {
+                options.tol = options.tol.max(tol / size);
+            }
+        }
+        self.collapsed(o, [&south, &north, &west, &east])?;
+        let surface =
+            Coons::new(south, north, west, east, &options).map_err(|e| self.coons_error(o, &e))?;
+        if !surface.resolved().is_empty() {
+            let list: Vec<String> = surface.resolved().iter().map(Disagreement::to_string).collect();
+            let how = f.text("incompatible_twists").unwrap_or_default();
+            self.diags.push(
+                Diagnostic::new("twists", format!("{}: twists were resolved by \"{how}\": {}", o.label, list.join("; ")))
+                    .at(f.place("incompatible_twists", &[]), "as asked for")
+                    .help("second derivatives are not those of both cross-derivatives in these corners")
+                    .warning(),
+            );
+        }
+        Ok(Patch::one(Arc::new(surface)))
+    }
+
+    /// Refuses a boundary that encloses nothing: all four curves are one point.
+    pub(crate) fn collapsed(&mut self, o: &Object, curves: [&CurveRef; 4]) -> Result<(), Stop> {
+        let first = curves[0].ends()[0];
+        if curves.iter().all(|c| {
+            let d = c.domain();
+            (0..=8).all(|i| c.point(d.lo + (d.hi - d.lo) * f64::from(i) / 8.0) == first)
+        }) {
+            let message = format!("all boundary curves are the point {first}: the surface collapses");
+            return Err(self.refuse(o, ("south", &[]), message, "give curves of some length"));
+        }
+        Ok(())
+    }
+
+    fn blend(&mut self, o: &Object) -> Built<Blending> {
+        let f = &o.fields;
+        match f.get("blend").map(|i| &i.datum) {
+            None => Ok(Blending::linear()),
+            Some(Datum::Record(r)) => match r.number("trigonometric") {
+                Some(alpha) => Blending::trigonometric(alpha).map_err(|e| {
+                    let help = "choose an angle above 0deg that keeps away from 180deg, such as \"90deg\"";
+                    self.refuse(o, ("blend", &[]), e, help)
+                }),
+                None => self.user_blend(o, &r.clone()),
+            },
+            Some(_) if f.text("blend") == Some("cubic") => Ok(Blending::cubic()),
+            Some(_) => Ok(Blending::linear()),
+        }
+    }
+
+    fn user_blend(&mut self, o: &Object, r: &Fields) -> Built<Blending> {
+        const NAMES: [&str; 4] = ["h1", "h2", "h3", "h4"];
+        let mut functions = Vec::new();
+        for name in NAMES {
+            match r.get(name).map(|i| &i.datum) {
+                Some(Datum::Formula(b)) => functions.push(b.clone()),
+                _ => return Err(Stop::Reported),
+            }
+        }
+        let functions = self.functions(&o.label, r, &NAMES, functions)?;
+        Blending::user(Arc::new(functions)).map_err(|e| {
+            let key = match &e {
+                BlendingError::Conditions { faults } => {
+                    faults.first().map_or("h1", |f| NAMES[(f.function.max(1) - 1).min(3)])
+                }
+                _ => "h1",
+            };
+            let help = "h1 is 1 at 0, h4 is 1 at 1, h2' is 1 at 0, h3' is 1 at 1; all else is 0 there";
+            self.refuse_in(&format!("{}, `blend`", o.label), r, (key, &[]), e, help)
+        })
+    }
+
+    /// Functions on `[0, 1]` from formulas; the keys say where each stands.
+    pub(crate) fn functions(
+        &mut self,
+        label: &str,
+        fields: &Fields,
+        keys: &[&str],
+        formulas: Vec<Bound>,
+    ) -> Built<ExpressionFunctions> {
+        ExpressionFunctions::new(formulas, [0.0, 1.0]).map_err(|e| match &e {
+            ExpressionFunctionsError::Function { index, error } => {
+                // One key for each, or one key with a list.
+                let (key, path): (&str, Vec<usize>) = match keys {
+                    [one] => (one, vec![*index]),
+                    many => (many.get(*index).copied().unwrap_or(""), vec![]),
+                };
+                let message = format!("`{key}`: {error}");
+                self.refuse_in(label, fields, (key, &path), message, error.help())
+            }
+            _ => self.refuse_in(label, fields, (keys.first().copied().unwrap_or(""), &[]), &e, "add a function"),
+        })
+    }
+
+    /// The cross-derivatives and how unknown twists are estimated.
+    fn cross(&mut self, o: &Object) -> Built<([Cross; 4], Estimate)> {
+        let word = |w: &str| if w == "adini" { Estimate::Adini } else { Estimate::Ferguson };
+        let mut cross: [Cross; 4] = Default::default();
+        let record = match o.fields.get("cross").map(|i| &i.datum) {
+            Some(Datum::Text(w)) => return Ok((cross, word(w))),
+            Some(Datum::Record(r)) => r.clone(),
+            _ => return Ok((cross, Estimate::default())),
+        };
+        let mut estimate: Option<Estimate> = None;
+        let mut stop = None;
+        for (to, side) in cross.iter_mut().zip(Side::ALL) {
+            let Some(item) = record.get(side.name()) else { continue };
+            if let Datum::Text(w) = &item.datum {
+                if estimate.is_some_and(|e| e != word(w)) {
+                    let message = "\"ferguson\" and \"adini\" are mixed; unknown twists are estimated in one way";
+                    let label = format!("{}, `cross`", o.label);
+                    return Err(self.refuse_in(&label, &record, (side.name(), &[]), message, "write the same word for all"));
+                }
+                estimate = Some(word(w));
+                continue;
+            }
+            match self.cross_of(o, item, &format!("{}, `cross.{side}`", o.label)) {
+                Ok(c) => *to = c,
+                Err(s) => stop = Some(s),
+            }
+        }
+        match stop {
+            Some(s) => Err(s),
+            None => Ok((cross, estimate.unwrap_or_default())),
+        }
+    }
+
+    /// A cross-derivative: of a neighbour, or a curve.
+    fn cross_of(&mut self, _o: &Object, item: &Item, label: &str) -> Built<Cross> {
+        if let Datum::Record(r) = &item.datum {
+            let Some(Datum::Side(name)) = r.get("from").map(|i| &i.datum) else { return Err(Stop::Reported) };
+            let surface = self.surface(&name.surface, label, &r.place("from", &[]))?;
+            return Ok(Cross::Neighbour { surface, side: name.side });
+        }
+        Ok(Cross::Curve(self.curve(item, label)?))
+    }
+
+    fn coons_error(&mut self, o: &Object, e: &CoonsError) -> Stop {
+        match e {
+            CoonsError::Contour(e) => self.contour_error(o, e),
+            CoonsError::Incompatible(report) => self.incompatible(o, report),
+            CoonsError::PositionsOnly { source_name } => {
+                let (key, _) = source_key(*source_name);
+                self.refuse(o, (key, &[]), e, "write blend = \"cubic\", or remove what is given")
+            }
+            CoonsError::NotFinite { source_name, .. } => {
+                let (key, _) = source_key(*source_name);
+                self.refuse(o, (key, &[]), e, "use a curve with finite derivatives")
+            }
+            CoonsError::TwistNotFinite { u, v, .. } => {
+                self.refuse(o, ("twists", &[*u, *v]), e, "write finite numbers")
+            }
+            CoonsError::NeighbourApart { side, .. } => {
+                let help = format!("let `{side}` be the neighbour's side itself, such as {side} = \"other.north\"");
+                self.refuse(o, ("cross", &[]), e, help)
+            }
+            CoonsError::NeighbourFolds { .. } => {
+                self.refuse(o, ("cross", &[]), e, "let the boundary leave the neighbour, or remove this cross-derivative")
+            }
+        }
+    }
+
+    /// The report over the corner data: every place that disagrees is shown.
+    fn incompatible(&mut self, o: &Object, report: &Compatibility) -> Stop {
+        let help = if report.reverse.is_empty() {
+            "move the data together in the corners that are named; twists alone can be resolved by incompatible_twists = \
+             \"gregory\" or \"average\""
+                .to_owned()
+        } else {
+            reversal(&report.reverse)
+        };
+        let mut d = Diagnostic::new("geometry", format!("{}: the boundary data does not fit together: {report}", o.label));
+        let mut shown: Vec<&str> = Vec::new();
+        for source in report.disagreements.iter().flat_map(|x| x.sources) {
+            let (key, text) = source_key(source);
+            if !shown.contains(&text) {
+                shown.push(text);
+                let place = match (o.fields.record("cross"), source) {
+                    (Some(r), Source::Cross(side)) => r.place(side.name(), &[]),
+                    _ => o.fields.place(key, &[]),
+                };
+                d = d.at(place, format!("`{text}`"));
+            }
+        }
+        self.diags.push(d.help(help));
+        Stop::Reported
+    }
+
+    /// Boundary curves that do not close: the corners, the distances, and which curve to reverse.
+    pub(crate) fn contour_error(&mut self, o: &Object, e: &ContourError) -> Stop {
+        match e {
+            ContourError::Open { gaps, reverse, .. } => {
+                let mut sides: Vec<Side> = reverse.clone();
+                for g in gaps {
+                    sides.extend(g.corner.sides());
+                }
+                let mut d = Diagnostic::new("geometry", format!("{}: {e}", o.label));
+                let mut shown: Vec<Side> = Vec::new();
+                for side in sides {
+                    if !shown.contains(&side) {
+                        shown.push(side);
+                        d = d.at(o.fields.place(side.name(), &[]), format!("`{side}`"));
+                    }
+                }
+                let help = if reverse.is_empty() {
+                    "south and north run along u from west to east, west and east along v from south to north; move the \
+                     ends together"
+                        .to_owned()
+                } else {
+                    reversal(reverse)
+                };
+                self.diags.push(d.help(help));
+                Stop::Reported
+            }
+            ContourError::NotFinite { side, .. } => {
+                self.refuse(o, (side.name(), &[]), e, "use a curve with finite points")
+            }
+        }
+    }
+
+    /// Chashnikov's construction: each sector of at most a quarter turn is the Coons surface, blended by the
+    /// trigonometric functions of its angle, of the boundary functions of the surface of revolution.
+    pub(crate) fn revolution_by_coons(
+        &mut self,
+        o: &Object,
+        profile: CurveRef,
+        axis: Frame,
+        options: RevolutionOptions,
+    ) -> Built<Vec<Patch>> {
+        let profile = on_unit_domain(profile);
+        // The whole is checked first: its angle, and the profile against the axis.
+        let turn = |options| Revolution::new(profile.clone(), axis, options);
+        let whole = turn(options).map_err(|e: RevolutionError| self.revolution_error(o, &e))?;
+        let total = whole.options().angle;
+        /// What a quarter turn may exceed a quarter by, for rounding.
+        const ROUNDING: f64 = 1e-12;
+        let count = (total / FRAC_PI_2 * (1.0 - ROUNDING)).ceil().max(1.0) as usize;
+        let angle = total / count as f64;
+        let blend = Blending::trigonometric(angle).map_err(|e| {
+            let help = format!("choose an angle well above 0deg; it is {}deg", total * 180.0 / PI);
+            self.refuse(o, ("angle", &[]), e, help)
+        })?;
+        let mut patches = Vec::with_capacity(count);
+        for k in 0..count {
+            let start = options.start + angle * k as f64;
+            let sector = turn(RevolutionOptions { start, angle, ..options })
+                .map_err(|e: RevolutionError| self.revolution_error(o, &e))?;
+            let sector: SurfaceRef = Arc::new(sector);
+            let side = |s: Side| -> CurveRef { Arc::new(Isocurve::side(sector.clone(), s)) };
+            let across = |s: Side| -> CurveRef { Arc::new(CrossDerivative::side(sector.clone(), s)) };
+            let functions = |a: Side, b: Side| [side(a), across(a), across(b), side(b)];
+            let surface = Coons::from_boundary_functions(
+                functions(Side::West, Side::East),
+                functions(Side::South, Side::North),
+                blend.clone(),
+            )
+            .map_err(|e| self.coons_error(o, &e))?;
+            let suffix = (count > 1).then(|| (k + 1).to_string());
+            patches.push(Patch { suffix, surface: Arc::new(surface), net: None });
+        }
+        Ok(patches)
+    }
+
+    /// A cross-derivative that must be there: of a neighbour, or a curve.
+    pub(crate) fn tangent(&mut self, o: &Object, key: &str) -> Built<Option<CurveRef>> {
+        let Some(item) = o.fields.get(key) else { return Ok(None) };
+        let label = format!("{}, `{key}`", o.label);
+        match self.cross_of(o, item, &label)? {
+            Cross::Neighbour { surface, side } => Ok(Some(Arc::new(CrossDerivative::side(surface, side)))),
+            Cross::Curve(c) => Ok(Some(c)),
+            Cross::Estimated => need(None),
+        }
+    }
+}
+
+/// Which curves to reverse, and how that is written.
+fn reversal(sides: &[Side]) -> String {
+    let names: Vec<&str> = sides.iter().map(|s| s.name()).collect();
+    format!("reverse {}: write {} = {{ kind = \"reverse\", curve = … }}", names.join(" and "), names.join(" and "))
+}
+
+/// The key where something is given, and its full name.
+fn source_key(s: Source) -> (&'static str, &'static str) {
+    match s {
+        Source::Side(side) => (side.name(), side.name()),
+        Source::Cross(Side::South) => ("cross", "cross.south"),
+        Source::Cross(Side::North) => ("cross", "cross.north"),
+        Source::Cross(Side::West) => ("cross", "cross.west"),
+        Source::Cross(Side::East) => ("cross", "cross.east"),
+        Source::Twists => ("twists", "twists"),
+    }
+}
