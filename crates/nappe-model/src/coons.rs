@@ -10,8 +10,9 @@ use nappe::basis::{Blending, BlendingError, ExpressionFunctions, ExpressionFunct
 use nappe::curve::{CrossDerivative, CurveRef, Isocurve, on_unit_domain};
 use nappe::expr::Bound;
 use nappe::surface::{
-    Compatibility, Contour, ContourError, Coons, CoonsError, CoonsOptions, Cross, Disagreement, Estimate,
-    IncompatibleTwists, Revolution, RevolutionError, RevolutionOptions, Side, Source, SurfaceRef,
+    Compatibility, Contour, ContourError, Coons, CoonsError, CoonsOptions, Cross, Disagreement,
+    Estimate, IncompatibleTwists, Revolution, RevolutionError, RevolutionOptions, Side, Source,
+    SurfaceRef,
 };
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -64,13 +65,24 @@ impl Builder<'_> {
         let surface =
             Coons::new(south, north, west, east, &options).map_err(|e| self.coons_error(o, &e))?;
         if !surface.resolved().is_empty() {
-            let list: Vec<String> = surface.resolved().iter().map(Disagreement::to_string).collect();
+            let list: Vec<String> = surface
+                .resolved()
+                .iter()
+                .map(Disagreement::to_string)
+                .collect();
             let how = f.text("incompatible_twists").unwrap_or_default();
             self.diags.push(
-                Diagnostic::new("twists", format!("{}: twists were resolved by \"{how}\": {}", o.label, list.join("; ")))
-                    .at(f.place("incompatible_twists", &[]), "as asked for")
-                    .help("second derivatives are not those of both cross-derivatives in these corners")
-                    .warning(),
+                Diagnostic::new(
+                    "twists",
+                    format!(
+                        "{}: twists were resolved by \"{how}\": {}",
+                        o.label,
+                        list.join("; ")
+                    ),
+                )
+                .at(f.place("incompatible_twists", &[]), "as asked for")
+                .help("second derivatives are not those of both cross-derivatives in these corners")
+                .warning(),
             );
         }
         Ok(Patch::one(Arc::new(surface)))
@@ -83,7 +95,8 @@ impl Builder<'_> {
             let d = c.domain();
             (0..=8).all(|i| c.point(d.lo + (d.hi - d.lo) * f64::from(i) / 8.0) == first)
         }) {
-            let message = format!("all boundary curves are the point {first}: the surface collapses");
+            let message =
+                format!("all boundary curves are the point {first}: the surface collapses");
             return Err(self.refuse(o, ("south", &[]), message, "give curves of some length"));
         }
         Ok(())
@@ -95,7 +108,8 @@ impl Builder<'_> {
             None => Ok(Blending::linear()),
             Some(Datum::Record(r)) => match r.number("trigonometric") {
                 Some(alpha) => Blending::trigonometric(alpha).map_err(|e| {
-                    let help = "choose an angle above 0deg that keeps away from 180deg, such as \"90deg\"";
+                    let help =
+                        "choose an angle above 0deg that keeps away from 180deg, such as \"90deg\"";
                     self.refuse(o, ("blend", &[]), e, help)
                 }),
                 None => self.user_blend(o, &r.clone()),
@@ -117,12 +131,13 @@ impl Builder<'_> {
         let functions = self.functions(&o.label, r, &NAMES, functions)?;
         Blending::user(Arc::new(functions)).map_err(|e| {
             let key = match &e {
-                BlendingError::Conditions { faults } => {
-                    faults.first().map_or("h1", |f| NAMES[(f.function.max(1) - 1).min(3)])
-                }
+                BlendingError::Conditions { faults } => faults
+                    .first()
+                    .map_or("h1", |f| NAMES[(f.function.max(1) - 1).min(3)]),
                 _ => "h1",
             };
-            let help = "h1 is 1 at 0, h4 is 1 at 1, h2' is 1 at 0, h3' is 1 at 1; all else is 0 there";
+            let help =
+                "h1 is 1 at 0, h4 is 1 at 1, h2' is 1 at 0, h3' is 1 at 1; all else is 0 there";
             self.refuse_in(&format!("{}, `blend`", o.label), r, (key, &[]), e, help)
         })
     }
@@ -145,13 +160,25 @@ impl Builder<'_> {
                 let message = format!("`{key}`: {error}");
                 self.refuse_in(label, fields, (key, &path), message, error.help())
             }
-            _ => self.refuse_in(label, fields, (keys.first().copied().unwrap_or(""), &[]), &e, "add a function"),
+            _ => self.refuse_in(
+                label,
+                fields,
+                (keys.first().copied().unwrap_or(""), &[]),
+                &e,
+                "add a function",
+            ),
         })
     }
 
     /// The cross-derivatives and how unknown twists are estimated.
     fn cross(&mut self, o: &Object) -> Built<([Cross; 4], Estimate)> {
-        let word = |w: &str| if w == "adini" { Estimate::Adini } else { Estimate::Ferguson };
+        let word = |w: &str| {
+            if w == "adini" {
+                Estimate::Adini
+            } else {
+                Estimate::Ferguson
+            }
+        };
         let mut cross: [Cross; 4] = Default::default();
         let record = match o.fields.get("cross").map(|i| &i.datum) {
             Some(Datum::Text(w)) => return Ok((cross, word(w))),
@@ -161,12 +188,20 @@ impl Builder<'_> {
         let mut estimate: Option<Estimate> = None;
         let mut stop = None;
         for (to, side) in cross.iter_mut().zip(Side::ALL) {
-            let Some(item) = record.get(side.name()) else { continue };
+            let Some(item) = record.get(side.name()) else {
+                continue;
+            };
             if let Datum::Text(w) = &item.datum {
                 if estimate.is_some_and(|e| e != word(w)) {
                     let message = "\"ferguson\" and \"adini\" are mixed; unknown twists are estimated in one way";
                     let label = format!("{}, `cross`", o.label);
-                    return Err(self.refuse_in(&label, &record, (side.name(), &[]), message, "write the same word for all"));
+                    return Err(self.refuse_in(
+                        &label,
+                        &record,
+                        (side.name(), &[]),
+                        message,
+                        "write the same word for all",
+                    ));
                 }
                 estimate = Some(word(w));
                 continue;
@@ -185,9 +220,14 @@ impl Builder<'_> {
     /// A cross-derivative: of a neighbour, or a curve.
     fn cross_of(&mut self, _o: &Object, item: &Item, label: &str) -> Built<Cross> {
         if let Datum::Record(r) = &item.datum {
-            let Some(Datum::Side(name)) = r.get("from").map(|i| &i.datum) else { return Err(Stop::Reported) };
+            let Some(Datum::Side(name)) = r.get("from").map(|i| &i.datum) else {
+                return Err(Stop::Reported);
+            };
             let surface = self.surface(&name.surface, label, &r.place("from", &[]))?;
-            return Ok(Cross::Neighbour { surface, side: name.side });
+            return Ok(Cross::Neighbour {
+                surface,
+                side: name.side,
+            });
         }
         Ok(Cross::Curve(self.curve(item, label)?))
     }
@@ -198,7 +238,12 @@ impl Builder<'_> {
             CoonsError::Incompatible(report) => self.incompatible(o, report),
             CoonsError::PositionsOnly { source_name } => {
                 let (key, _) = source_key(*source_name);
-                self.refuse(o, (key, &[]), e, "write blend = \"cubic\", or remove what is given")
+                self.refuse(
+                    o,
+                    (key, &[]),
+                    e,
+                    "write blend = \"cubic\", or remove what is given",
+                )
             }
             CoonsError::NotFinite { source_name, .. } => {
                 let (key, _) = source_key(*source_name);
@@ -208,12 +253,17 @@ impl Builder<'_> {
                 self.refuse(o, ("twists", &[*u, *v]), e, "write finite numbers")
             }
             CoonsError::NeighbourApart { side, .. } => {
-                let help = format!("let `{side}` be the neighbour's side itself, such as {side} = \"other.north\"");
+                let help = format!(
+                    "let `{side}` be the neighbour's side itself, such as {side} = \"other.north\""
+                );
                 self.refuse(o, ("cross", &[]), e, help)
             }
-            CoonsError::NeighbourFolds { .. } => {
-                self.refuse(o, ("cross", &[]), e, "let the boundary leave the neighbour, or remove this cross-derivative")
-            }
+            CoonsError::NeighbourFolds { .. } => self.refuse(
+                o,
+                ("cross", &[]),
+                e,
+                "let the boundary leave the neighbour, or remove this cross-derivative",
+            ),
         }
     }
 
@@ -226,7 +276,13 @@ impl Builder<'_> {
         } else {
             reversal(&report.reverse)
         };
-        let mut d = Diagnostic::new("geometry", format!("{}: the boundary data does not fit together: {report}", o.label));
+        let mut d = Diagnostic::new(
+            "geometry",
+            format!(
+                "{}: the boundary data does not fit together: {report}",
+                o.label
+            ),
+        );
         let mut shown: Vec<&str> = Vec::new();
         for source in report.disagreements.iter().flat_map(|x| x.sources) {
             let (key, text) = source_key(source);
@@ -294,17 +350,25 @@ impl Builder<'_> {
         let count = (total / FRAC_PI_2 * (1.0 - ROUNDING)).ceil().max(1.0) as usize;
         let angle = total / count as f64;
         let blend = Blending::trigonometric(angle).map_err(|e| {
-            let help = format!("choose an angle well above 0deg; it is {}deg", total * 180.0 / PI);
+            let help = format!(
+                "choose an angle well above 0deg; it is {}deg",
+                total * 180.0 / PI
+            );
             self.refuse(o, ("angle", &[]), e, help)
         })?;
         let mut patches = Vec::with_capacity(count);
         for k in 0..count {
             let start = options.start + angle * k as f64;
-            let sector = turn(RevolutionOptions { start, angle, ..options })
-                .map_err(|e: RevolutionError| self.revolution_error(o, &e))?;
+            let sector = turn(RevolutionOptions {
+                start,
+                angle,
+                ..options
+            })
+            .map_err(|e: RevolutionError| self.revolution_error(o, &e))?;
             let sector: SurfaceRef = Arc::new(sector);
             let side = |s: Side| -> CurveRef { Arc::new(Isocurve::side(sector.clone(), s)) };
-            let across = |s: Side| -> CurveRef { Arc::new(CrossDerivative::side(sector.clone(), s)) };
+            let across =
+                |s: Side| -> CurveRef { Arc::new(CrossDerivative::side(sector.clone(), s)) };
             let functions = |a: Side, b: Side| [side(a), across(a), across(b), side(b)];
             let surface = Coons::from_boundary_functions(
                 functions(Side::West, Side::East),
@@ -313,17 +377,25 @@ impl Builder<'_> {
             )
             .map_err(|e| self.coons_error(o, &e))?;
             let suffix = (count > 1).then(|| (k + 1).to_string());
-            patches.push(Patch { suffix, surface: Arc::new(surface), net: None });
+            patches.push(Patch {
+                suffix,
+                surface: Arc::new(surface),
+                net: None,
+            });
         }
         Ok(patches)
     }
 
     /// A cross-derivative that must be there: of a neighbour, or a curve.
     pub(crate) fn tangent(&mut self, o: &Object, key: &str) -> Built<Option<CurveRef>> {
-        let Some(item) = o.fields.get(key) else { return Ok(None) };
+        let Some(item) = o.fields.get(key) else {
+            return Ok(None);
+        };
         let label = format!("{}, `{key}`", o.label);
         match self.cross_of(o, item, &label)? {
-            Cross::Neighbour { surface, side } => Ok(Some(Arc::new(CrossDerivative::side(surface, side)))),
+            Cross::Neighbour { surface, side } => {
+                Ok(Some(Arc::new(CrossDerivative::side(surface, side))))
+            }
             Cross::Curve(c) => Ok(Some(c)),
             Cross::Estimated => need(None),
         }
@@ -333,7 +405,11 @@ impl Builder<'_> {
 /// Which curves to reverse, and how that is written.
 fn reversal(sides: &[Side]) -> String {
     let names: Vec<&str> = sides.iter().map(|s| s.name()).collect();
-    format!("reverse {}: write {} = {{ kind = \"reverse\", curve = … }}", names.join(" and "), names.join(" and "))
+    format!(
+        "reverse {}: write {} = {{ kind = \"reverse\", curve = … }}",
+        names.join(" and "),
+        names.join(" and ")
+    )
 }
 
 /// The key where something is given, and its full name.

@@ -3,7 +3,7 @@
 use crate::build::{Builder, Built, Stop};
 use crate::data::{Datum, Fields, Item, Object};
 use nappe::basis::KnotError;
-use nappe::curve::{CurveError, CurveRef, conic, polyline};
+use nappe::curve::{CurveError, CurveRef, InterpolateOptions, conic, interpolate, polyline};
 use nappe::curve::{
     Ellipse, EllipseOptions, ExpressionCurve, ExpressionCurveError, Hermite, Isocurve, JoinOptions,
     Joined, Line, Spacing, Transformed, Trimmed,
@@ -101,6 +101,17 @@ impl Builder<'_> {
                 let points = need(f.vectors("points"))?;
                 let points = need(<[DVec3; 3]>::try_from(points).ok())?;
                 self.curve_result(o, conic(points, number("weight")?))
+            }
+            "interpolate" => {
+                let points = need(f.vectors("points"))?;
+                let options = InterpolateOptions {
+                    degree: f.number("degree").map_or(3, |d| d as usize),
+                    closed: f.flag("closed"),
+                    spacing: spacing(f),
+                    start_tangent: f.vector("start_tangent"),
+                    end_tangent: f.vector("end_tangent"),
+                };
+                self.curve_result(o, interpolate(&points, options))
             }
             "expression" => self.expression(o),
             "isocurve" => {
@@ -298,6 +309,11 @@ impl Builder<'_> {
                 };
                 ("curves", vec![*second], help)
             }
+            CurveError::IllConditioned { index, .. } => (
+                "points",
+                vec![*index],
+                "use degree 3, or parametrization = \"centripetal\", or spread the points more evenly",
+            ),
             CurveError::Nothing => ("curves", vec![], "name at least one curve"),
             CurveError::VectorNotFinite { .. } | CurveError::NotFinite { .. } => {
                 ("", vec![], "use numbers of a reasonable size")

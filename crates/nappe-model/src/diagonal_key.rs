@@ -14,7 +14,10 @@ impl Builder<'_> {
     pub(crate) fn diagonal_key(&mut self, o: &Object) -> Built<Vec<Patch>> {
         let f = &o.fields;
         let boundary = self.boundary(o);
-        let tangents = [self.tangent(o, "tangent_west"), self.tangent(o, "tangent_east")];
+        let tangents = [
+            self.tangent(o, "tangent_west"),
+            self.tangent(o, "tangent_east"),
+        ];
         let free = self.free(o);
         let [south, north, west, east] = boundary?.map(on_unit_domain);
         let [west_tangent, east_tangent] = tangents;
@@ -26,8 +29,10 @@ impl Builder<'_> {
             blend: None,
         };
         self.collapsed(o, [&south, &north, &west, &east])?;
-        let contour = Contour::new(south, north, west, east).map_err(|e| self.contour_error(o, &e))?;
-        let surface = DiagonalKey::new(contour, &options).map_err(|e| self.diagonal_key_error(o, &e))?;
+        let contour =
+            Contour::new(south, north, west, east).map_err(|e| self.contour_error(o, &e))?;
+        let surface =
+            DiagonalKey::new(contour, &options).map_err(|e| self.diagonal_key_error(o, &e))?;
         Ok(Patch::one(Arc::new(surface)))
     }
 
@@ -37,25 +42,43 @@ impl Builder<'_> {
         let plane = ["p", "q"].iter().any(|k| f.get(k).is_some());
         match f.list("free").map(<[Item]>::to_vec) {
             Some(_) if plane => {
-                let message = "`free` is for space, `p` and `q` are for generators in parallel planes";
+                let message =
+                    "`free` is for space, `p` and `q` are for generators in parallel planes";
                 Err(self.refuse(o, ("free", &[]), message, "give p and q, or free"))
             }
             Some(vectors) => {
                 let mut g: Vec<FunctionsRef> = Vec::new();
                 for vector in &vectors {
-                    let formulas: Option<Vec<Bound>> = vector.list().and_then(|l| l.iter().map(formula).collect());
-                    g.push(Arc::new(self.functions(&o.label, f, &["free"], need(formulas)?)?));
+                    let formulas: Option<Vec<Bound>> =
+                        vector.list().and_then(|l| l.iter().map(formula).collect());
+                    g.push(Arc::new(self.functions(
+                        &o.label,
+                        f,
+                        &["free"],
+                        need(formulas)?,
+                    )?));
                 }
                 let g = need(<[FunctionsRef; 2]>::try_from(g).ok())?;
-                Ok(Free::Space { g, normals: pair(f.list("normals")) })
+                Ok(Free::Space {
+                    g,
+                    normals: pair(f.list("normals")),
+                })
             }
             None if plane => {
                 let zero = Bound::constant(0.0, "v");
                 let mut one = |key: &str| -> Built<FunctionsRef> {
                     let b = f.get(key).and_then(formula).unwrap_or_else(|| zero.clone());
-                    Ok(Arc::new(self.functions(&o.label, f, &[key, key], vec![b])?))
+                    Ok(Arc::new(self.functions(
+                        &o.label,
+                        f,
+                        &[key, key],
+                        vec![b],
+                    )?))
                 };
-                Ok(Free::Plane { p: one("p")?, q: one("q")? })
+                Ok(Free::Plane {
+                    p: one("p")?,
+                    q: one("q")?,
+                })
             }
             None => Ok(Free::None),
         }
@@ -63,7 +86,12 @@ impl Builder<'_> {
 
     fn diagonal_key_error(&mut self, o: &Object, e: &DiagonalKeyError) -> Stop {
         let f = &o.fields;
-        let given = |keys: &[&'static str]| keys.iter().copied().find(|k| f.get(k).is_some()).unwrap_or("");
+        let given = |keys: &[&'static str]| {
+            keys.iter()
+                .copied()
+                .find(|k| f.get(k).is_some())
+                .unwrap_or("")
+        };
         let named = |name: &str| match name {
             "p" => "p",
             "q" => "q",
@@ -76,30 +104,54 @@ impl Builder<'_> {
         };
         let (key, help) = match e {
             DiagonalKeyError::Contour(e) => return self.contour_error(o, e),
-            DiagonalKeyError::Parallelogram { .. } => {
-                ("", "write kind = \"coons\" for this contour, or move a corner so that d11 is not 0")
+            DiagonalKeyError::Parallelogram { .. } => (
+                "",
+                "write kind = \"coons\" for this contour, or move a corner so that d11 is not 0",
+            ),
+            DiagonalKeyError::NoDirection { .. } | DiagonalKeyError::Direction { .. } => (
+                given(&["east", "west"]),
+                "change a guide, or write kind = \"coons\"",
+            ),
+            DiagonalKeyError::NotPlane { .. } => (
+                given(&["p", "q", "plane_axes"]),
+                "write free = [g1, g2] instead of p and q",
+            ),
+            DiagonalKeyError::AxesNeeded { .. } => {
+                (given(&["p", "q"]), "write plane_axes = [e1, e2]")
             }
-            DiagonalKeyError::NoDirection { .. } | DiagonalKeyError::Direction { .. } => {
-                (given(&["east", "west"]), "change a guide, or write kind = \"coons\"")
+            DiagonalKeyError::Axes { .. } => {
+                ("plane_axes", "give two directions that are not parallel")
             }
-            DiagonalKeyError::NotPlane { .. } => (given(&["p", "q", "plane_axes"]), "write free = [g1, g2] instead of p and q"),
-            DiagonalKeyError::AxesNeeded { .. } => (given(&["p", "q"]), "write plane_axes = [e1, e2]"),
-            DiagonalKeyError::Axes { .. } => ("plane_axes", "give two directions that are not parallel"),
-            DiagonalKeyError::Normals { .. } => ("normals", "give two directions square to d11, or none"),
-            DiagonalKeyError::FunctionEnd { name, .. } => (named(name), "multiply the function by v*(1 - v)"),
+            DiagonalKeyError::Normals { .. } => {
+                ("normals", "give two directions square to d11, or none")
+            }
+            DiagonalKeyError::FunctionEnd { name, .. } => {
+                (named(name), "multiply the function by v*(1 - v)")
+            }
             DiagonalKeyError::FunctionCount { name, .. }
             | DiagonalKeyError::FunctionDomain { name, .. }
-            | DiagonalKeyError::FunctionNotFinite { name, .. } => (named(name), "give functions that are finite on [0, 1]"),
+            | DiagonalKeyError::FunctionNotFinite { name, .. } => {
+                (named(name), "give functions that are finite on [0, 1]")
+            }
             DiagonalKeyError::Tangent { side, .. } => {
-                let key = if *side == Side::West { "tangent_west" } else { "tangent_east" };
-                (key, "let the tangent begin and end with the derivatives of the generators")
+                let key = if *side == Side::West {
+                    "tangent_west"
+                } else {
+                    "tangent_east"
+                };
+                (
+                    key,
+                    "let the tangent begin and end with the derivatives of the generators",
+                )
             }
-            DiagonalKeyError::Singular { .. } => {
-                (given(&["tangent_east", "tangent_west"]), "prescribe one side only, or write kind = \"coons\"")
-            }
-            DiagonalKeyError::FreeAndTangents => {
-                (given(&["p", "q", "free"]), "remove the free functions or the tangents")
-            }
+            DiagonalKeyError::Singular { .. } => (
+                given(&["tangent_east", "tangent_west"]),
+                "prescribe one side only, or write kind = \"coons\"",
+            ),
+            DiagonalKeyError::FreeAndTangents => (
+                given(&["p", "q", "free"]),
+                "remove the free functions or the tangents",
+            ),
         };
         self.refuse(o, (key, &[]), e, help)
     }

@@ -4,7 +4,9 @@ use crate::build::{Builder, Built, Patch};
 use crate::curves::need;
 use crate::data::{Datum, Fields, Item, Object};
 use nappe::exact::NurbsSurface;
-use nappe::surface::{Quadric, QuadricError, QuadricOptions, QuadricShape, Torus, TorusError, TorusOptions};
+use nappe::surface::{
+    Quadric, QuadricError, QuadricOptions, QuadricShape, Torus, TorusError, TorusOptions,
+};
 use nappe::{DVec3, Frame};
 use std::sync::Arc;
 
@@ -23,25 +25,39 @@ impl Builder<'_> {
                 QuadricError::SemiAxisCount { shape, .. } => {
                     let help = match shape.semi_axes() {
                         [1, 1] => "write one number, the radius: [r]".to_owned(),
-                        [a, b] if a == b => format!("write {a} numbers, such as {:?}", &[30, 20, 10][..a.min(3)]),
+                        [a, b] if a == b => {
+                            format!("write {a} numbers, such as {:?}", &[30, 20, 10][..a.min(3)])
+                        }
                         [a, b] => format!("write {a} or {b} numbers"),
                     };
                     ("semi_axes", vec![], help)
                 }
-                QuadricError::SemiAxis { index, .. } => {
-                    ("semi_axes", vec![*index], "write a number greater than 0".into())
+                QuadricError::SemiAxis { index, .. } => (
+                    "semi_axes",
+                    vec![*index],
+                    "write a number greater than 0".into(),
+                ),
+                QuadricError::Range { .. } => {
+                    ("range", vec![], "write [from, to] with from < to".into())
                 }
-                QuadricError::Range { .. } => ("range", vec![], "write [from, to] with from < to".into()),
-                QuadricError::Outside { .. } => ("range", vec![], "choose a part of the shape".into()),
-                QuadricError::TwoHalves { .. } => {
-                    ("range", vec![], "choose heights on one side; make two surfaces for both".into())
+                QuadricError::Outside { .. } => {
+                    ("range", vec![], "choose a part of the shape".into())
                 }
+                QuadricError::TwoHalves { .. } => (
+                    "range",
+                    vec![],
+                    "choose heights on one side; make two surfaces for both".into(),
+                ),
                 QuadricError::Overflow { .. } => ("range", vec![], "choose a smaller part".into()),
             };
             self.refuse(o, (key, &path), &e, help)
         })?;
         let net = rows(quadric.nurbs());
-        Ok(vec![Patch { suffix: None, surface: Arc::new(quadric), net: Some(net) }])
+        Ok(vec![Patch {
+            suffix: None,
+            surface: Arc::new(quadric),
+            net: Some(net),
+        }])
     }
 
     pub(crate) fn torus(&mut self, o: &Object) -> Built<Vec<Patch>> {
@@ -50,7 +66,10 @@ impl Builder<'_> {
         let direction = f.vector("axis").unwrap_or(DVec3::Z);
         let frame = Frame::along(f.vector("center").unwrap_or(DVec3::ZERO), direction)
             .map_err(|e| self.refuse(o, ("axis", &[]), e, "give a direction that is not zero"))?;
-        let mut options = TorusOptions { frame, ..TorusOptions::default() };
+        let mut options = TorusOptions {
+            frame,
+            ..TorusOptions::default()
+        };
         for (to, given) in options.range.iter_mut().zip(range) {
             *to = given.unwrap_or(*to);
         }
@@ -58,12 +77,19 @@ impl Builder<'_> {
         let torus = Torus::new(major, minor, options).map_err(|e| {
             let (key, help) = match &e {
                 TorusError::Radius { name, .. } => (*name, "write a number greater than 0"),
-                _ => ("range", "choose angles [from, to] that increase by at most one turn"),
+                _ => (
+                    "range",
+                    "choose angles [from, to] that increase by at most one turn",
+                ),
             };
             self.refuse(o, (key, &[]), &e, help)
         })?;
         let net = rows(torus.nurbs());
-        Ok(vec![Patch { suffix: None, surface: Arc::new(torus), net: Some(net) }])
+        Ok(vec![Patch {
+            suffix: None,
+            surface: Arc::new(torus),
+            net: Some(net),
+        }])
     }
 
     /// The frame of a quadric: the directions x and z, or those of space.
@@ -77,25 +103,43 @@ impl Builder<'_> {
         };
         frame.map_err(|e| {
             let key = if record.is_some() { "frame" } else { "center" };
-            self.refuse(o, (key, &[]), e, "give z a length and let x point aside from it")
+            self.refuse(
+                o,
+                (key, &[]),
+                e,
+                "give z a length and let x point aside from it",
+            )
         })
     }
 
     /// The ranges of u and v, which are angles or lengths as `angles` says.
     fn range(&mut self, o: &Object, angles: [bool; 2]) -> Built<[Option<[f64; 2]>; 2]> {
         let mut out = [None; 2];
-        let Some(range) = o.fields.record("range") else { return Ok(out) };
+        let Some(range) = o.fields.record("range") else {
+            return Ok(out);
+        };
         for ((key, angle), out) in ["u", "v"].into_iter().zip(angles).zip(&mut out) {
-            let Some(list) = range.list(key) else { continue };
+            let Some(list) = range.list(key) else {
+                continue;
+            };
             let wrong = |i: &&Item| matches!(i.datum, Datum::Angle(_)) != angle;
             if let Some(i) = list.iter().position(|i| wrong(&i)) {
                 let (message, help) = if angle {
-                    ("is an angle and needs a unit", "write it as [\"0deg\", \"90deg\"]")
+                    (
+                        "is an angle and needs a unit",
+                        "write it as [\"0deg\", \"90deg\"]",
+                    )
                 } else {
                     ("is a length, not an angle", "write it as [0, 10]")
                 };
                 let label = format!("{}, `range.{key}`", o.label);
-                return Err(self.refuse_in(&label, range, (key, &[i]), format!("it {message}"), help));
+                return Err(self.refuse_in(
+                    &label,
+                    range,
+                    (key, &[i]),
+                    format!("it {message}"),
+                    help,
+                ));
             }
             let numbers: Option<Vec<f64>> = list.iter().map(Item::number).collect();
             *out = numbers.and_then(|n| <[f64; 2]>::try_from(n).ok());
@@ -106,6 +150,8 @@ impl Builder<'_> {
 
 /// The control net of a NURBS surface by rows.
 pub(crate) fn rows(s: &NurbsSurface) -> Vec<Vec<DVec3>> {
-    s.control_points().chunks(s.size()[1].max(1)).map(<[DVec3]>::to_vec).collect()
+    s.control_points()
+        .chunks(s.size()[1].max(1))
+        .map(<[DVec3]>::to_vec)
+        .collect()
 }
-

@@ -246,12 +246,12 @@ impl Builder<'_> {
                 } else {
                     "weight_u"
                 };
-                self.refuse(o, (key, &[]), &e, "write a number greater than 0")
+                self.refuse(o, (key, &[]), e, "write a number greater than 0")
             }
             BiquadraticError::NotFinite { row, column, .. } => self.refuse(
                 o,
                 ("points", &[*row, *column]),
-                &e,
+                e,
                 "use finite coordinates",
             ),
         })?;

@@ -313,8 +313,16 @@ impl Bound {
 
     /// The constant `x`, as a function of `variable`.
     pub fn constant(x: f64, variable: &str) -> Self {
-        let nodes = vec![Node { op: Op::Number(x), args: [0; 3], span: 0..0 }];
-        let expr = Expr { text: format!("{x:?}").into(), nodes, names: Vec::new() };
+        let nodes = vec![Node {
+            op: Op::Number(x),
+            args: [0; 3],
+            span: 0..0,
+        }];
+        let expr = Expr {
+            text: format!("{x:?}").into(),
+            nodes,
+            names: Vec::new(),
+        };
         Self::new(expr, Vec::new(), vec![variable.to_owned()])
     }
 
