@@ -1,0 +1,167 @@
+//! `nappe build`.
+
+use crate::failure::{Failure, Problem};
+use crate::model::ModelArgs;
+use crate::screen::Screen;
+use crate::text::{self, Table, bound, number};
+use crate::{output, scene};
+use nappe::mesh::Certainty;
+use nappe_exchange::{Format, Part, Progress, Scene, WriteOptions, WriteReport};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Build a model and write it: meshes within a proven tolerance, exact surfaces, pictures
+///
+/// The ending of each file says its format: .glb .gltf .stl .obj .ply .3mf .vtu (meshes), .json (exact NURBS curves and
+/// surfaces), .svg .png (pictures). Files are replaced only when the new ones are whole.
+///
+/// Ends with a table: patches, triangles, box, the proven distance between mesh and surfaces, the files, the time.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  nappe build duct.nappe.toml                                      writes duct.glb
+  nappe build duct.nappe.toml -o duct.stl -o duct.json -o duct.png
+  nappe build duct.nappe.toml --tolerance 0.01 --set radius=80 -o duct.3mf")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    /// A file to write; may be given several times. Default: a .glb beside the model
+    #[arg(short, long, value_name = "FILE")]
+    output: Vec<PathBuf>,
+
+    /// The greatest distance between mesh and surface, in the model's units. Default: the model's, else a thousandth of
+    /// the diagonal of its box
+    #[arg(long, value_name = "LENGTH", value_parser = super::length)]
+    tolerance: Option<f64>,
+}
+
+impl Args {
+    pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
+        let start = Instant::now();
+        let files = self.files()?;
+        let model = self.model.open(screen)?;
+        let mut scene = scene::outline(&model);
+        if files.iter().any(|(_, format)| *format != Format::Json) {
+            let tolerance = scene::tolerance(&model, self.tolerance);
+            scene.mesh = scene::meshed(&model, tolerance, screen)?;
+            scene.curves = scene::polylines(&model, tolerance)?;
+            let names = model.output().map(|s| s.name.clone());
+            scene.parts = names.enumerate().map(|(i, n)| Part::new(n, i)).collect();
+        }
+        let mut reports = Vec::new();
+        for (path, _) in &files {
+            let progress = screen.progress(&format!("Writing {}", path.display()));
+            let tell = |share| progress.tell(share);
+            let options = WriteOptions {
+                progress: Progress::to(&tell),
+            };
+            let report = nappe_exchange::write(path, &scene, &options);
+            progress.finish();
+            reports.push(report.map_err(output::refused)?);
+        }
+        screen.note(table(&scene, &reports, start));
+        for report in &reports {
+            for note in &report.notes {
+                screen.note(format!("{}: {note}", report.path.display()));
+            }
+        }
+        Ok(())
+    }
+
+    /// The files to write with their formats, all of them possible.
+    fn files(&self) -> Result<Vec<(PathBuf, Format)>, Failure> {
+        let mut paths = self.output.clone();
+        if paths.is_empty() {
+            paths.push(beside(self.model.path()));
+        }
+        let mut files = Vec::new();
+        let mut problems = Vec::new();
+        for (i, path) in paths.iter().enumerate() {
+            if paths[..i].contains(path) {
+                return Err(Failure::usage(format!(
+                    "{} is to be written twice",
+                    path.display()
+                )));
+            }
+            match Format::from_path(path)
+                .and_then(|f| nappe_exchange::check_target(path).map(|()| f))
+            {
+                Ok(format) => files.push((path.clone(), format)),
+                Err(e) => problems.push(Problem::new(e.to_string())),
+            }
+        }
+        if problems.is_empty() {
+            Ok(files)
+        } else {
+            Err(problems.into())
+        }
+    }
+}
+
+/// `a/duct.glb` for `a/duct.nappe.toml`.
+fn beside(model: &Path) -> PathBuf {
+    let name = model.file_name().unwrap_or_default().to_string_lossy();
+    let bare = name.strip_suffix(".toml").unwrap_or(&name);
+    let bare = bare.strip_suffix(".nappe").unwrap_or(bare);
+    model.with_file_name(format!("{bare}.glb"))
+}
+
+/// A coordinate smaller than this share of the box is shown as 0.
+const NEGLIGIBLE: f64 = 1e-9;
+
+fn table(scene: &Scene, reports: &[WriteReport], start: Instant) -> Table {
+    let unit = scene.units.symbol();
+    let mut table = Table::of_facts();
+    if let Some(title) = &scene.title {
+        table.row(["title", title]);
+    }
+    if scene.parts.is_empty() {
+        table.row(["exact objects".to_owned(), text::count(scene.exact.len())]);
+    } else {
+        table.row(["patches".to_owned(), text::count(scene.parts.len())]);
+        table.row(["triangles".to_owned(), text::count(scene.triangles())]);
+        if let Some([lo, hi]) = scene.extent() {
+            let size = (hi - lo).to_array().map(|x| number(x, 5)).join(" × ");
+            // Rounding leaves a coordinate of 1e-15 where 0 is meant.
+            let negligible = NEGLIGIBLE * (hi - lo).length();
+            let place = |x: f64| if x.abs() < negligible { 0.0 } else { x };
+            let range = |p: nappe::DVec3| p.to_array().map(|x| number(place(x), 5)).join(", ");
+            table.row([
+                "box".to_owned(),
+                format!("{size} {unit}, from ({}) to ({})", range(lo), range(hi)),
+            ]);
+        }
+        table.row(["mesh error".to_owned(), certainty(scene.deviation(), unit)]);
+    }
+    for (i, r) in reports.iter().enumerate() {
+        let name = if i == 0 { "files" } else { "" };
+        // Worth a word only where it shows.
+        let rounded = if certainty(r.deviation, unit) == certainty(scene.deviation(), unit) {
+            String::new()
+        } else {
+            format!(
+                "; error with the format's rounding {}",
+                certainty(r.deviation, unit)
+            )
+        };
+        table.row([
+            name.to_owned(),
+            format!("{} ({}{rounded})", r.path.display(), text::bytes(r.bytes)),
+        ]);
+    }
+    table.row([
+        "time".to_owned(),
+        format!("{} s", number(start.elapsed().as_secs_f64(), 3)),
+    ]);
+    table
+}
+
+/// A deviation in words.
+fn certainty(c: Certainty, unit: &str) -> String {
+    match c {
+        Certainty::Exact => "none, exact".to_owned(),
+        Certainty::Bounded(e) => format!("at most {} {unit}, proven", bound(e, 3)),
+        Certainty::Estimated(e) => format!("about {} {unit}, estimated, not proven", bound(e, 3)),
+    }
+}

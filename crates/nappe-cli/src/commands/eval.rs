@@ -1,0 +1,123 @@
+//! `nappe eval`.
+
+use crate::eval::{self, Grid, Input, OutputFormat, Target};
+use crate::failure::{Failure, Problem};
+use crate::model::{self, ModelArgs};
+use crate::output;
+use crate::screen::Screen;
+use nappe::curve::MAX_ORDER;
+use std::io::{self, IsTerminal};
+use std::path::PathBuf;
+
+/// Evaluate a surface or a curve and its derivatives at many parameters
+///
+/// Reads rows of u,v (t for a curve) and writes u,v,x,y,z for each; with --order 1 also x_u,y_u,z_u,x_v,y_v,z_v, with
+/// --order 2 x_uu,…,x_uv,…,x_vv,…, and so on. Derivatives are exact. Every number has as many digits, 17 at most, as it
+/// takes to read back the same number.
+///
+/// Text is comma-separated. With a header line the columns may stand in any order and others are passed over (a note
+/// says which); without one there are the parameters alone. Lines that begin with # and empty lines are skipped. Rows
+/// are evaluated as they come, so a table may be larger than the memory. At a break of a curve or surface the piece
+/// above it decides.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  nappe eval bowl.nappe.toml --surface bowl --grid 11x21 --order 1 > points.csv
+  echo 0.25,0.5 | nappe eval bowl.nappe.toml --surface bowl
+  nappe eval bowl.nappe.toml --curve profile --uv t.csv --format jsonl
+  nappe eval bowl.nappe.toml --surface bowl --uv uv.parquet -o points.parquet")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    /// The surface to evaluate
+    #[arg(long, value_name = "NAME", required_unless_present = "curve")]
+    surface: Option<String>,
+
+    /// The curve to evaluate
+    #[arg(long, value_name = "NAME", conflicts_with = "surface")]
+    curve: Option<String>,
+
+    /// A table of parameters, CSV or Parquet; `-` or none: standard input
+    #[arg(long, value_name = "FILE", visible_alias = "t")]
+    uv: Option<PathBuf>,
+
+    /// Instead of a table, N × M parameters in equal steps over the whole domain, the ends among them
+    #[arg(long, value_name = "N[xM]", conflicts_with = "uv")]
+    grid: Option<Grid>,
+
+    /// Derivatives up to this order
+    #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MAX_ORDER as i64))]
+    order: u8,
+
+    /// The format of the output; default: by the ending of -o, else csv
+    #[arg(long)]
+    format: Option<OutputFormat>,
+
+    /// Write to this file, .csv, .jsonl or .parquet, instead of standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+impl Args {
+    pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
+        let format = self.output_format()?;
+        if let Some(path) = &self.output {
+            output::check(path)?;
+        }
+        let input = match (&self.grid, &self.uv) {
+            (Some(grid), _) => Input::Grid(*grid),
+            (None, Some(path)) if path.as_os_str() != "-" => Input::File(path),
+            (None, _) => Input::Standard,
+        };
+        let model = self.model.open(screen)?;
+        let target = match (&self.surface, &self.curve) {
+            (Some(name), _) => Target::Surface(name.clone(), model::surface(&model, name)?),
+            (None, name) => {
+                let name = name.as_deref().unwrap_or_default();
+                Target::Curve(name.to_owned(), model::curve(&model, name)?)
+            }
+        };
+        let order = usize::from(self.order);
+        let notes = match &self.output {
+            None => {
+                // One lock for the whole table, and large writes.
+                let out = io::BufWriter::with_capacity(output::BUFFER, io::stdout());
+                let mut sink = format.sink(&target, order, out)?;
+                let notes = eval::run(&target, &input, order, sink.as_mut())?;
+                sink.finish()?;
+                notes
+            }
+            Some(path) => output::write_with(path, |out| {
+                let mut sink = format.sink(&target, order, out)?;
+                let notes = eval::run(&target, &input, order, sink.as_mut())?;
+                sink.finish()?;
+                Ok(notes)
+            })?,
+        };
+        for note in notes {
+            screen.note(note);
+        }
+        Ok(())
+    }
+
+    fn output_format(&self) -> Result<OutputFormat, Failure> {
+        let format = match (self.format, &self.output) {
+            (Some(format), _) => format,
+            (None, None) => OutputFormat::Csv,
+            (None, Some(path)) => OutputFormat::of(path).ok_or_else(|| {
+                Problem::new(format!(
+                    "{}: the ending names no format of tables",
+                    path.display()
+                ))
+                .help("known endings: .csv .jsonl .ndjson .parquet; or say --format")
+            })?,
+        };
+        if format == OutputFormat::Parquet && self.output.is_none() && io::stdout().is_terminal() {
+            return Err(Failure::usage(
+                "--format parquet is binary: write it to a file with -o FILE.parquet, or pipe it on",
+            ));
+        }
+        Ok(format)
+    }
+}

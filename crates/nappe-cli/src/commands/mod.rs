@@ -1,0 +1,43 @@
+//! The commands, one to a file: what each takes from the command line, and what it asks of the other crates.
+
+mod build;
+mod completions;
+mod eval;
+mod examples;
+mod schema;
+
+use crate::failure::Failure;
+use crate::screen::Screen;
+use clap::Subcommand;
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    Build(build::Args),
+    Eval(eval::Args),
+    Schema(schema::Args),
+    Examples(examples::Args),
+    Completions(completions::Args),
+}
+
+impl Command {
+    /// Does it.
+    pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
+        match self {
+            Command::Build(args) => args.run(screen),
+            Command::Eval(args) => args.run(screen),
+            Command::Schema(args) => args.run(),
+            Command::Examples(args) => args.run(screen),
+            Command::Completions(args) => args.run(),
+        }
+    }
+}
+
+/// Reads a length that is greater than zero.
+fn length(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        Ok(x) => Err(format!("{x} is not a length greater than zero")),
+        Err(_) => Err(format!("`{text}` is not a number")),
+    }
+}

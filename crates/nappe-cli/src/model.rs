@@ -1,0 +1,112 @@
+//! The model that a command works on.
+
+use crate::failure::{Failure, Problem};
+use crate::screen::Screen;
+use nappe::curve::CurveRef;
+use nappe::expr::nearest;
+use nappe::surface::SurfaceRef;
+use nappe_model::{Model, Overrides};
+use std::path::{Path, PathBuf};
+
+/// A model file and values for its parameters.
+#[derive(Debug, clap::Args)]
+pub(crate) struct ModelArgs {
+    /// The model file
+    model: PathBuf,
+
+    /// Set a parameter of the model to a number or an expression; may be given several times
+    #[arg(long, value_name = "NAME=VALUE", value_parser = setting)]
+    set: Vec<String>,
+}
+
+/// Checks the form of a setting; the model says whether it knows the name.
+fn setting(text: &str) -> Result<String, String> {
+    Overrides::default()
+        .set_from(text)
+        .map(|()| text.to_owned())
+}
+
+impl ModelArgs {
+    /// The path of the file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.model
+    }
+
+    /// Reads and builds the model, and shows what should be known about it.
+    pub(crate) fn open(&self, screen: &Screen) -> Result<Model, Failure> {
+        let mut overrides = Overrides::default();
+        for text in &self.set {
+            overrides.set_from(text).map_err(Failure::usage)?;
+        }
+        let model =
+            nappe_model::load(&self.model, &overrides).map_err(|d| Failure::Model(Box::new(d)))?;
+        if !model.warnings.list.is_empty() {
+            screen.warn(&model.warnings);
+        }
+        Ok(model)
+    }
+}
+
+/// A surface by its name.
+pub(crate) fn surface(model: &Model, name: &str) -> Result<SurfaceRef, Problem> {
+    if let Some(found) = model.surface(name) {
+        return Ok(found.surface.clone());
+    }
+    let parts: Vec<&str> = model
+        .surfaces
+        .iter()
+        .filter(|s| s.object == name)
+        .map(|s| s.name.as_str())
+        .collect();
+    if !parts.is_empty() {
+        return Err(
+            Problem::new(format!("`{name}` is made of {} surfaces", parts.len()))
+                .help(format!("name one of them: {}", parts.join(", "))),
+        );
+    }
+    let names: Vec<&str> = model.surfaces.iter().map(|s| s.name.as_str()).collect();
+    let is_curve = model.curve(name).is_some();
+    Err(unknown(
+        "surface",
+        name,
+        &names,
+        is_curve.then_some("--curve"),
+    ))
+}
+
+/// A curve by its name.
+pub(crate) fn curve(model: &Model, name: &str) -> Result<CurveRef, Problem> {
+    if let Some(found) = model.curve(name) {
+        return Ok(found.curve.clone());
+    }
+    let names: Vec<&str> = model.curves.iter().map(|c| c.name.as_str()).collect();
+    let is_surface = model.surfaces.iter().any(|s| s.object == name);
+    Err(unknown(
+        "curve",
+        name,
+        &names,
+        is_surface.then_some("--surface"),
+    ))
+}
+
+/// Names listed in a message: more would hide what is said.
+const MOST_NAMES: usize = 12;
+
+fn unknown(what: &str, name: &str, known: &[&str], other: Option<&str>) -> Problem {
+    let problem = Problem::new(format!("the model has no {what} `{name}`"));
+    if let Some(flag) = other {
+        return problem.help(format!("say {flag} {name}"));
+    }
+    if let Some(near) = nearest(name, known.iter().copied()) {
+        return problem.help(format!("did you mean `{near}`?"));
+    }
+    match known {
+        [] => problem.help(format!("it has no {what}s at all")),
+        _ if known.len() > MOST_NAMES => problem.help(format!(
+            "it has {}, … ({} in all)",
+            known[..MOST_NAMES].join(", "),
+            known.len()
+        )),
+        _ => problem.help(format!("it has {}", known.join(", "))),
+    }
+}

@@ -1,0 +1,127 @@
+//! What a model puts out, as the writers and the picture want it.
+
+use crate::failure::{Failure, Problem};
+use crate::screen::Screen;
+use nappe::Box3;
+use nappe::mesh::{Certainty, Mesh, MeshError, MeshOptions, flatten, mesh};
+use nappe::surface::SurfaceRef;
+use nappe_exchange::{Exact, ExactForm, Polyline, Scene, Units};
+use nappe_model::{Model, NamedSurface};
+use std::sync::Arc;
+
+/// The share of the box's diagonal that a mesh may be away from the surfaces if nothing else is said.
+const DEFAULT_TOLERANCE: f64 = 1e-3;
+
+/// The tolerance of a mesh: what is asked for, else the model's own, else a thousandth of the diagonal of its box.
+pub(crate) fn tolerance(model: &Model, asked: Option<f64>) -> f64 {
+    asked
+        .or(model.tolerance)
+        .unwrap_or_else(|| share_of_size(model, DEFAULT_TOLERANCE))
+}
+
+/// A share of the diagonal of the box around everything that the model puts out; of 1 if nothing bounds it.
+pub(crate) fn share_of_size(model: &Model, share: f64) -> f64 {
+    let curves = model.curves.iter().filter(|c| !c.construction_only);
+    let size = model
+        .output()
+        .map(|s| s.surface.bounds(s.surface.domain()))
+        .chain(curves.map(|c| c.curve.bounds(c.curve.domain())))
+        .reduce(Box3::hull)
+        .map_or(1.0, Box3::diagonal);
+    let tolerance = share * size;
+    if tolerance > 0.0 && tolerance.is_finite() {
+        tolerance
+    } else {
+        share
+    }
+}
+
+/// The mesh of everything that the model puts out.
+pub(crate) fn meshed(model: &Model, tolerance: f64, screen: &Screen) -> Result<Mesh, Failure> {
+    let surfaces: Vec<&NamedSurface> = model.output().collect();
+    let geometry: Vec<SurfaceRef> = surfaces.iter().map(|s| s.surface.clone()).collect();
+    let progress = screen.progress("Meshing");
+    let bar = progress.clone();
+    let options = MeshOptions {
+        tol: Some(tolerance),
+        progress: Some(Arc::new(move |share| bar.tell(share))),
+        ..MeshOptions::default()
+    };
+    let made = mesh(&geometry, &options);
+    progress.finish();
+    made.map_err(|e| mesh_problem(&e, &surfaces).into())
+}
+
+/// The kernel counts surfaces; people name them.
+fn mesh_problem(e: &MeshError, surfaces: &[&NamedSurface]) -> Problem {
+    let text = e.to_string();
+    for (i, s) in surfaces.iter().enumerate() {
+        let counted = format!("surface {i} ");
+        let counted_colon = format!("surface {i}:");
+        if let Some(rest) = text.strip_prefix(&counted) {
+            return Problem::new(format!("the surface `{}` {rest}", s.name));
+        }
+        if let Some(rest) = text.strip_prefix(&counted_colon) {
+            return Problem::new(format!("the surface `{}`:{rest}", s.name));
+        }
+    }
+    Problem::new(text)
+}
+
+/// The most points of a polyline: more are not seen, and would fill the memory.
+const MOST_POINTS: usize = 1_000_000;
+
+/// The curves that the model puts out, as polylines within the tolerance of the mesh.
+pub(crate) fn polylines(model: &Model, tolerance: f64) -> Result<Vec<Polyline>, Failure> {
+    let curves = model.curves.iter().filter(|c| !c.construction_only);
+    let flat = curves.map(|c| {
+        let flat = flatten(c.curve.as_ref(), tolerance, MOST_POINTS)
+            .map_err(|e| Problem::new(format!("the curve `{}`: {e}", c.name)))?;
+        Ok(Polyline {
+            name: c.name.clone(),
+            points: flat.points,
+        })
+    });
+    flat.collect::<Result<_, Problem>>().map_err(Failure::from)
+}
+
+/// A scene with everything but the mesh: names, units and the exact forms.
+pub(crate) fn outline(model: &Model) -> Scene {
+    let curves = model
+        .curves
+        .iter()
+        .filter(|c| !c.construction_only)
+        .map(|c| Exact {
+            name: c.name.clone(),
+            kind: c.kind.to_owned(),
+            form: c.curve.to_nurbs().map_or(ExactForm::None, ExactForm::Curve),
+            certainty: Certainty::Exact,
+        });
+    let surfaces = model.output().map(|s| Exact {
+        name: s.name.clone(),
+        kind: s.kind.to_owned(),
+        form: s
+            .surface
+            .to_nurbs()
+            .map_or(ExactForm::None, ExactForm::Surface),
+        certainty: Certainty::Exact,
+    });
+    Scene {
+        title: Some(model.title.clone()),
+        units: units(model),
+        exact: curves.chain(surfaces).collect(),
+        ..Scene::default()
+    }
+}
+
+/// The unit of length, as the writers name it.
+fn units(model: &Model) -> Units {
+    use nappe_model::Units as Model;
+    match model.units {
+        Model::Millimetre => Units::Millimetre,
+        Model::Centimetre => Units::Centimetre,
+        Model::Metre => Units::Metre,
+        Model::Inch => Units::Inch,
+        Model::Foot => Units::Foot,
+    }
+}
