@@ -667,6 +667,8 @@ fn a_surface_joins_its_neighbour_without_a_crease() {
                 let surface = shared.clone();
                 options.cross[own as usize] = Cross::Neighbour { surface, side };
                 let c = coons(&curves, &options).unwrap();
+                let nurbs = c.to_nurbs().unwrap();
+                assert!(apart(&c, |uv| nurbs.point(uv)) <= 2e-14);
                 for k in 1..40 {
                     let t = k as f64 / 40.0;
                     let s = if reversed { 1.0 - t } else { t };

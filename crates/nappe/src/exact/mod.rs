@@ -20,6 +20,10 @@ pub use nurbs_curve::{NurbsCurve, NurbsError};
 pub use nurbs_surface::NurbsSurface;
 pub use piecewise::PiecewiseRational;
 
+pub(crate) use nurbs_curve::{homogeneous, middle};
+pub(crate) use piecewise::{bernstein_elevate, bernstein_product};
+pub(crate) use spline::{Row, join};
+
 use crate::basis::{BSplineBasis, Functions};
 
 /// The piecewise form of a B-spline basis, which always exists.

@@ -4,13 +4,13 @@ use super::bilinear::not_finite;
 use super::compatibility::{Compatibility, Datum, Disagreement, Source};
 use super::contour::{Contour, ContourError, size};
 use super::gregory::{Gregory, GregoryCorner};
-use super::neighbour::OutOfSide;
+use super::neighbour::continuation;
 use super::sides::{Corner, Side};
 use super::{Core, Dir, Separable, Surface, SurfaceRef, Term};
 use crate::basis::{Blending, Coordinates, FunctionsRef, Stack};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit};
-use crate::curve::{Curve, CurveRef, Trimmed, on_unit_domain};
+use crate::curve::{Curve, CurveRef, on_unit_domain};
 use crate::exact::NurbsSurface;
 use crate::interval::Interval;
 use glam::{DVec3, DVec4};
@@ -269,7 +269,7 @@ fn end(i: usize) -> usize {
 }
 
 /// What the functionals give for a curve.
-fn functionals(curve: &dyn Curve) -> [DVec3; 4] {
+pub(super) fn functionals(curve: &dyn Curve) -> [DVec3; 4] {
     let (a, b) = (
         curve.jet(0.0, Limit::Above, 1).d,
         curve.jet(1.0, Limit::Below, 1).d,
@@ -572,94 +572,4 @@ fn corner_pairs(u: usize, v: usize) -> [(usize, usize); 4] {
         (value[u], derivative[v]),
         (derivative[u], derivative[v]),
     ]
-}
-
-/// The cross-derivative along a side that continues a neighbour, see [`Cross::Neighbour`].
-fn continuation(
-    sides: &[CurveRef; 4],
-    side: Side,
-    surface: &SurfaceRef,
-    neighbour: Side,
-    limit: f64,
-) -> Result<CurveRef, CoonsError> {
-    /// Enough to tell curves apart; where they differ by more than the tolerance in between, corners still agree.
-    const SAMPLES: usize = 32;
-    let own = &sides[side as usize];
-    let domains = surface.domain();
-    let (along, across) = match neighbour.along() {
-        Dir::U => (domains[0], domains[1]),
-        Dir::V => (domains[1], domains[0]),
-    };
-    let x = if neighbour.is_upper() {
-        across.hi
-    } else {
-        across.lo
-    };
-    let other = |s: f64| {
-        let t = along.lo + (along.hi - along.lo) * s;
-        surface.point(match neighbour.along() {
-            Dir::U => [t, x],
-            Dir::V => [x, t],
-        })
-    };
-    let farthest = |reversed: bool| {
-        (0..=SAMPLES)
-            .map(|k| {
-                let s = k as f64 / SAMPLES as f64;
-                let p = other(if reversed { 1.0 - s } else { s });
-                (s, own.point(s).distance(p))
-            })
-            // A distance that is NaN counts as the greatest.
-            .fold((0.0, 0.0), |m, x| if x.1 <= m.1 { m } else { x })
-    };
-    let (forwards, backwards) = (farthest(false), farthest(true));
-    let reversed = backwards.1 < forwards.1;
-    let (at, distance) = if reversed { backwards } else { forwards };
-    if distance.is_nan() || distance > limit {
-        return Err(CoonsError::NeighbourApart {
-            side,
-            neighbour,
-            at,
-            distance,
-            limit,
-        });
-    }
-    // Derivatives into this surface: those of the boundary curves that meet the side, turned round at an upper side.
-    let meeting = match side.along() {
-        Dir::U => [Side::West, Side::East],
-        Dir::V => [Side::South, Side::North],
-    };
-    let sign = if side.is_upper() { -1.0 } else { 1.0 };
-    let inward = meeting.map(|m| {
-        functionals(sides[m as usize].as_ref())[if side.is_upper() { 2 } else { 1 }] * sign
-    });
-    let mut join = OutOfSide::new(surface.clone(), neighbour);
-    let ends = if reversed {
-        [inward[1], inward[0]]
-    } else {
-        inward
-    };
-    let mut a = join.fit(ends);
-    if reversed {
-        a.reverse();
-    }
-    for corner in Corner::ALL {
-        let k = corner.ends()[if side.along() == Dir::U { 0 } else { 1 }];
-        if corner.sides().contains(&side) && a[k] <= 0.0 {
-            return Err(CoonsError::NeighbourFolds {
-                side,
-                neighbour,
-                corner,
-            });
-        }
-    }
-    if side.is_upper() {
-        join.turn_round();
-    }
-    let join: CurveRef = Arc::new(join);
-    Ok(if reversed {
-        Arc::new(Trimmed::reversed(join))
-    } else {
-        on_unit_domain(join)
-    })
 }

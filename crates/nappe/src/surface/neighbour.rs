@@ -1,60 +1,71 @@
 //! The cross-derivative that continues a neighbouring surface over a shared side without a crease.
 
-use super::sides::Side;
-use super::{Dir, SurfaceRef, jet_index, jet_len};
+use super::coons::{CoonsError, functionals};
+use super::sides::{Corner, Side};
+use super::{Dir, SurfaceRef};
+use crate::basis::BSplineBasis;
 use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit};
-use crate::curve::Curve;
+use crate::curve::{CrossDerivative, Curve, CurveRef, Isocurve, Trimmed, on_unit_domain};
+use crate::exact::{NurbsCurve, Row, bernstein_elevate, bernstein_product, join};
 use crate::interval::Interval;
 use crate::scalar::Scalar;
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 use smallvec::SmallVec;
+use std::sync::Arc;
 
 /// `a(t) n(t) + b(t) s'(t)` along a side of a surface, where s is the side, n the derivative out of the surface across
 /// it, and a and b are linear over the side: every such vector lies in the tangent plane, so a surface with this
 /// cross-derivative joins it with G1 continuity if a > 0 (with equal derivatives if a = 1 and b = 0).
 #[derive(Clone, Debug)]
 pub(super) struct OutOfSide {
-    surface: SurfaceRef,
-    side: Side,
+    line: Isocurve,
+    across: CrossDerivative,
     breaks: Vec<Break>,
-    /// The factors at both ends of the side; for one parameter unit across and along the whole surface.
+    /// The factors at both ends of the side, for the derivatives with respect to the parameters.
     a: [f64; 2],
     b: [f64; 2],
+    /// The derivatives out of the surface and along the side with respect to parameters that run over a unit range.
+    scales: [f64; 2],
 }
 
 impl OutOfSide {
     pub(super) fn new(surface: SurfaceRef, side: Side) -> Self {
+        let width = |dir: Dir| {
+            let d = surface.breaks(dir).domain();
+            d.hi - d.lo
+        };
+        let out = if side.is_upper() { 1.0 } else { -1.0 };
+        let scales = [out * width(side.across()), width(side.along())];
         // The derivative along the side is one order less smooth than the side.
         let breaks = surface.breaks(side.along()).iter();
-        let breaks = breaks.map(|b| Break::new(b.at, b.smooth - 1)).collect();
         Self {
-            surface,
-            side,
-            breaks,
-            a: [1.0; 2],
+            breaks: breaks.map(|b| Break::new(b.at, b.smooth - 1)).collect(),
+            line: Isocurve::side(surface.clone(), side),
+            across: CrossDerivative::side(surface.clone(), side),
+            a: [scales[0]; 2],
             b: [0.0; 2],
+            scales,
         }
     }
 
-    /// Chooses a and b so that the ends come nearest to the two given vectors. Returns the two values of a.
+    /// Chooses a and b so that the ends come nearest to the two given vectors. Returns the values of a at both ends for
+    /// unit parameter ranges.
     pub(super) fn fit(&mut self, ends: [DVec3; 2]) -> [f64; 2] {
         let domain = self.domain();
-        for (k, (t, limit)) in [(domain.lo, Limit::Above), (domain.hi, Limit::Below)]
-            .into_iter()
-            .enumerate()
-        {
+        let at = [(domain.lo, Limit::Above), (domain.hi, Limit::Below)];
+        for (k, (t, limit)) in at.into_iter().enumerate() {
             let (n, l) = self.frame(t, limit);
             let (nn, nl, ll) = (n.dot(n), n.dot(l), l.dot(l));
             let determinant = nn * ll - nl * nl;
             // Where the plane is lost to rounding nothing can be fitted; the corner report then tells.
             if determinant > 1e-20 * nn * ll {
                 let (en, el) = (ends[k].dot(n), ends[k].dot(l));
-                self.a[k] = (en * ll - el * nl) / determinant;
-                self.b[k] = (el * nn - en * nl) / determinant;
+                self.a[k] = (en * ll - el * nl) / determinant * self.scales[0];
+                self.b[k] = (el * nn - en * nl) / determinant * self.scales[1];
             }
         }
-        self.a
+        self.a.map(|a| a / self.scales[0])
     }
 
     /// Points into the surface instead of out of it.
@@ -63,77 +74,34 @@ impl OutOfSide {
         self.b = self.b.map(|x| -x);
     }
 
-    /// The derivative out of the surface and the one along the side, for whole parameter ranges.
+    /// The derivative out of the surface and the one along the side, for unit parameter ranges.
     fn frame(&self, t: f64, limit: Limit) -> (DVec3, DVec3) {
-        let (uv, limits) = self.place(t, limit);
-        let jet = self.surface.jet(uv, limits, 1);
-        let (across, along) = self.scales();
-        match self.side.across() {
-            Dir::V => (jet.partial(0, 1) * across, jet.partial(1, 0) * along),
-            Dir::U => (jet.partial(1, 0) * across, jet.partial(0, 1) * along),
-        }
+        let n = self.across.jet(t, limit, 0).d[0];
+        let l = self.line.jet(t, limit, 1).d[1];
+        (n * self.scales[0], l * self.scales[1])
     }
 
-    /// Signed width across (positive outwards), width along.
-    fn scales(&self) -> (f64, f64) {
-        let width = |dir: Dir| {
-            let d = self.surface.breaks(dir).domain();
-            d.hi - d.lo
-        };
-        let sign = if self.side.is_upper() { 1.0 } else { -1.0 };
-        (sign * width(self.side.across()), width(self.side.along()))
-    }
-
-    fn place(&self, t: f64, limit: Limit) -> ([f64; 2], [Limit; 2]) {
-        let across = self.surface.breaks(self.side.across()).domain();
-        let (x, inside) = if self.side.is_upper() {
-            (across.hi, Limit::Below)
-        } else {
-            (across.lo, Limit::Above)
-        };
-        match self.side.across() {
-            Dir::V => ([t, x], [limit, inside]),
-            Dir::U => ([x, t], [inside, limit]),
-        }
-    }
-
-    /// The derivatives 0 to `orders - 1` of each coordinate, by Leibniz' rule from those of the surface: `jet(k, m, c)`
-    /// is the c-th coordinate of the derivative of order k along and m across.
+    /// One coordinate of the sum and its derivatives by Leibniz' rule, from those of n and of the side.
     fn combine<S: Scalar>(
         &self,
         t: S,
-        orders: usize,
-        jet: impl Fn(usize, usize, usize) -> S,
-    ) -> [SmallVec<[S; 4]>; 3] {
+        n: impl Fn(usize) -> S,
+        s: impl Fn(usize) -> S,
+        k: usize,
+    ) -> S {
         let domain = self.domain();
-        let (across, along) = self.scales();
         let width = S::from(domain.hi) - S::from(domain.lo);
-        let s = (t - S::from(domain.lo)) / width;
-        let linear = |f: [f64; 2], scale: f64| {
+        let x = (t - S::from(domain.lo)) / width;
+        let linear = |f: [f64; 2]| {
             let [p, q] = f.map(S::from);
-            let scale = S::from(scale);
-            ((p + (q - p) * s) * scale, (q - p) * scale / width)
+            (p + (q - p) * x, (q - p) / width)
         };
-        let (a, da) = linear(self.a, across);
-        let (b, db) = linear(self.b, along);
-        [0, 1, 2].map(|c| {
-            let term = |k: usize| {
-                let x = a * jet(k, 1, c) + b * jet(k + 1, 0, c);
-                if k == 0 {
-                    return x;
-                }
-                x + S::from(k as f64) * (da * jet(k - 1, 1, c) + db * jet(k, 0, c))
-            };
-            (0..orders).map(term).collect()
-        })
-    }
-
-    /// Where `∂ᵏ` along and `∂ᵐ` across stand in a jet.
-    fn index(&self, along: usize, across: usize) -> usize {
-        match self.side.across() {
-            Dir::V => jet_index(along, across),
-            Dir::U => jet_index(across, along),
+        let ((a, da), (b, db)) = (linear(self.a), linear(self.b));
+        let value = a * n(k) + b * s(k + 1);
+        if k == 0 {
+            return value;
         }
+        value + S::from(k as f64) * (da * n(k - 1) + db * s(k))
     }
 }
 
@@ -143,34 +111,177 @@ impl Curve for OutOfSide {
     }
 
     fn jet_into(&self, t: f64, limit: Limit, out: &mut [DVec3]) {
-        let (uv, limits) = self.place(t, limit);
-        let jet = self.surface.jet(uv, limits, out.len());
-        let [x, y, z] = self.combine(t, out.len(), |k, m, c| jet.d[self.index(k, m)][c]);
+        let n = self.across.jet(t, limit, out.len() - 1).d;
+        let s = self.line.jet(t, limit, out.len()).d;
         for (k, o) in out.iter_mut().enumerate() {
-            *o = DVec3::new(x[k], y[k], z[k]);
+            let at = |c: usize| self.combine(t, |k| n[k][c], |k| s[k][c], k);
+            *o = DVec3::new(at(0), at(1), at(2));
         }
     }
 
     fn enclose_piece(&self, t: Interval, limit: Limit, out: &mut [Box3]) {
-        let (at, limits) = self.place(t.mid(), limit);
-        let mut uv = at.map(Interval::point);
-        uv[if self.side.along() == Dir::U { 0 } else { 1 }] = t;
-        let mut boxes = vec![Box3::ENTIRE; jet_len(out.len())];
-        self.surface
-            .enclose_piece(uv, limits, out.len(), &mut boxes);
-        let [x, y, z] = self.combine(t, out.len(), |k, m, c| {
-            boxes[self.index(k, m)].to_array()[c]
-        });
+        let whole = || SmallVec::<[Box3; 6]>::from_elem(Box3::ENTIRE, out.len() + 1);
+        let (mut n, mut s) = (whole(), whole());
+        self.across.enclose_piece(t, limit, &mut n[..out.len()]);
+        self.line.enclose_piece(t, limit, &mut s);
+        let array =
+            |b: &SmallVec<[Box3; 6]>| -> Vec<_> { b.iter().map(|b| b.to_array()).collect() };
+        let (n, s) = (array(&n), array(&s));
         for (k, o) in out.iter_mut().enumerate() {
-            *o = Box3::from([x[k], y[k], z[k]]);
+            let at = |c: usize| self.combine(t, |k| n[k][c], |k| s[k][c], k);
+            *o = Box3::from([at(0), at(1), at(2)]);
         }
     }
+
+    /// Of one degree more than the derivative across.
+    fn to_nurbs(&self) -> Option<NurbsCurve> {
+        let domain = self.domain();
+        let across = self.across.to_nurbs()?.to_piecewise(DVec3::ZERO);
+        let line = self.line.to_nurbs()?;
+        let line = line.to_piecewise(line.control_points()[0]);
+        let degree = across.degree().max(line.degree()) + 1;
+        if across.breaks().len() != line.breaks().len() || degree > BSplineBasis::MAX_DEGREE {
+            return None;
+        }
+        let mut breaks = Vec::with_capacity(line.breaks().len());
+        for (x, y) in across.breaks().iter().zip(line.breaks()) {
+            breaks.push(Break::new(y.at, x.smooth.min(y.smooth.saturating_sub(1))));
+        }
+        let pieces: Vec<Vec<Row>> = (0..breaks.pieces())
+            .map(|i| {
+                let part = breaks.piece(i);
+                let share = [part.lo, part.hi].map(|t| (t - domain.lo) / (domain.hi - domain.lo));
+                let linear = |f: [f64; 2]| share.map(|s| f[0] + (f[1] - f[0]) * s);
+                let mut points = vec![vec![DVec4::ZERO]; degree + 1];
+                let den = across.denominator(i);
+                let w = line.is_rational().then(|| line.denominator(i));
+                // A side with equal weights has the denominator 1, the derivative across perhaps another number.
+                let unit = if w.is_some() { 1.0 } else { den[0] };
+                for c in 0..3 {
+                    let n = bernstein_product(across.numerator(i, c), &linear(self.a));
+                    let s = slope(line.numerator(i, c), w.as_deref(), part);
+                    let s = bernstein_product(&s, &linear(self.b.map(|b| b * unit)));
+                    let (n, s) = (bernstein_elevate(&n, degree), bernstein_elevate(&s, degree));
+                    for (p, (n, s)) in points.iter_mut().zip(n.iter().zip(&s)) {
+                        p[0][c] = n + s;
+                    }
+                }
+                // The derivative across has the square of the side's denominator: that of the derivative along.
+                let w = bernstein_elevate(&den, degree);
+                points.iter_mut().zip(w).for_each(|(p, w)| p[0].w = w);
+                points
+            })
+            .collect();
+        NurbsCurve::from_spline(join(&breaks, degree, &pieces)).ok()
+    }
+}
+
+/// The numerator of the derivative of `n/w` over a piece, whose denominator is `w²`; of `n` alone without w.
+fn slope(n: &[f64], w: Option<&[f64]>, piece: Interval) -> Vec<f64> {
+    let rate = (n.len() - 1) as f64 / (piece.hi - piece.lo);
+    let derivative =
+        |c: &[f64]| -> Vec<f64> { c.windows(2).map(|p| (p[1] - p[0]) * rate).collect() };
+    let Some(w) = w else { return derivative(n) };
+    let (a, b) = (
+        bernstein_product(&derivative(n), w),
+        bernstein_product(n, &derivative(w)),
+    );
+    a.iter().zip(&b).map(|(a, b)| a - b).collect()
+}
+
+/// The cross-derivative along a side that continues a neighbour, see [`Cross::Neighbour`].
+pub(super) fn continuation(
+    sides: &[CurveRef; 4],
+    side: Side,
+    surface: &SurfaceRef,
+    neighbour: Side,
+    limit: f64,
+) -> Result<CurveRef, CoonsError> {
+    /// Enough to tell curves apart; where they differ by more than the tolerance in between, corners still agree.
+    const SAMPLES: usize = 32;
+    let own = &sides[side as usize];
+    let domains = surface.domain();
+    let (along, across) = match neighbour.along() {
+        Dir::U => (domains[0], domains[1]),
+        Dir::V => (domains[1], domains[0]),
+    };
+    let x = if neighbour.is_upper() {
+        across.hi
+    } else {
+        across.lo
+    };
+    let other = |s: f64| {
+        let t = along.lo + (along.hi - along.lo) * s;
+        surface.point(match neighbour.along() {
+            Dir::U => [t, x],
+            Dir::V => [x, t],
+        })
+    };
+    let farthest = |reversed: bool| {
+        (0..=SAMPLES)
+            .map(|k| {
+                let s = k as f64 / SAMPLES as f64;
+                let p = other(if reversed { 1.0 - s } else { s });
+                (s, own.point(s).distance(p))
+            })
+            // A distance that is NaN counts as the greatest.
+            .fold((0.0, 0.0), |m, x| if x.1 <= m.1 { m } else { x })
+    };
+    let (forwards, backwards) = (farthest(false), farthest(true));
+    let reversed = backwards.1 < forwards.1;
+    let (at, distance) = if reversed { backwards } else { forwards };
+    if distance.is_nan() || distance > limit {
+        return Err(CoonsError::NeighbourApart {
+            side,
+            neighbour,
+            at,
+            distance,
+            limit,
+        });
+    }
+    // Derivatives into this surface: those of the boundary curves that meet the side, turned round at an upper side.
+    let meeting = match side.along() {
+        Dir::U => [Side::West, Side::East],
+        Dir::V => [Side::South, Side::North],
+    };
+    let sign = if side.is_upper() { -1.0 } else { 1.0 };
+    let inward = meeting.map(|m| {
+        functionals(sides[m as usize].as_ref())[if side.is_upper() { 2 } else { 1 }] * sign
+    });
+    let mut join = OutOfSide::new(surface.clone(), neighbour);
+    let ends = if reversed {
+        [inward[1], inward[0]]
+    } else {
+        inward
+    };
+    let mut a = join.fit(ends);
+    if reversed {
+        a.reverse();
+    }
+    for corner in Corner::ALL {
+        let k = corner.ends()[if side.along() == Dir::U { 0 } else { 1 }];
+        if corner.sides().contains(&side) && a[k] <= 0.0 {
+            return Err(CoonsError::NeighbourFolds {
+                side,
+                neighbour,
+                corner,
+            });
+        }
+    }
+    if side.is_upper() {
+        join.turn_round();
+    }
+    let join: CurveRef = Arc::new(join);
+    Ok(if reversed {
+        Arc::new(Trimmed::reversed(join))
+    } else {
+        on_unit_domain(join)
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::basis::BSplineBasis;
     use crate::exact::NurbsSurface;
     use crate::laws::{self, Random};
     use std::sync::Arc;
