@@ -9,15 +9,17 @@
 //!
 //! The layout and the triangles of different surfaces are independent of each other.
 
-use crate::surface::{Surface, SurfaceRef};
+use crate::surface::{Dir, Surface, SurfaceRef};
 use glam::DVec3;
 use layout::{Demand, Layout, layout};
 use lines::Lines;
-use patch::Builder;
+use patch::{Builder, Collapsed};
+use shared::Edge;
 use std::collections::HashMap;
 
 mod bound;
 mod flatten;
+mod joints;
 mod layout;
 mod lines;
 mod options;
@@ -27,6 +29,7 @@ mod stitch;
 mod zip;
 
 pub use flatten::{FlatCurve, FlattenError, flatten};
+pub use joints::{Joint, Joints, joints};
 pub use options::{MeshError, MeshOptions, Progress};
 
 /// How far an approximating result is from the exact thing.
@@ -176,7 +179,16 @@ pub fn mesh(surfaces: &[SurfaceRef], options: &MeshOptions) -> Result<Mesh, Mesh
 
     let mut lines: Vec<Lines> = layouts.iter().map(Lines::new).collect();
     let mut points = Vec::new();
-    let borders = stitch::stitch(surfaces, &shared, weld, &mut lines, &mut points);
+    let mut borders = stitch::stitch(surfaces, &shared, weld, &mut lines, &mut points);
+    for (i, layout) in layouts.iter().enumerate() {
+        for edge in collapsed(surfaces[i].as_ref(), layout, weld) {
+            let end = |t| borders[i].get(&lines::key(edge.uv(t))).copied();
+            if let (Some(a), Some(b)) = (end(edge.range.lo), end(edge.range.hi)) {
+                let same = borders.iter_mut().flat_map(HashMap::values_mut);
+                same.filter(|id| **id == b).for_each(|id| *id = a);
+            }
+        }
+    }
     let mut patches = Vec::with_capacity(surfaces.len());
     for (i, border) in borders.into_iter().enumerate() {
         let layout = &layouts[i];
@@ -185,7 +197,14 @@ pub fn mesh(surfaces: &[SurfaceRef], options: &MeshOptions) -> Result<Mesh, Mesh
             surface: surfaces[i].as_ref(),
             layout,
             lines: &lines[i],
-            collapsed: [0, 1, 2, 3].map(|k| shared.collapsed[4 * i + k]),
+            collapsed: collapsed(surfaces[i].as_ref(), layout, weld)
+                .into_iter()
+                .map(|edge| Collapsed {
+                    across: lines::index(edge.side.across()),
+                    at: edge.at,
+                    point: border.get(&lines::key(edge.uv(edge.range.lo))).copied(),
+                })
+                .collect(),
             on_lines: border,
             points: &mut points,
             vertex_of: HashMap::new(),
@@ -218,6 +237,21 @@ pub fn mesh(surfaces: &[SurfaceRef], options: &MeshOptions) -> Result<Mesh, Mesh
         report(surfaces.len() + i + 1);
     }
     Ok(Mesh { points, patches })
+}
+
+/// The lines along which the surface is one point: sides, and corner lines inside where a profile meets its axis.
+fn collapsed<'a>(surface: &'a dyn Surface, layout: &Layout, weld: f64) -> Vec<Edge<'a>> {
+    let mut found = Vec::new();
+    for (d, across) in [Dir::U, Dir::V].into_iter().enumerate() {
+        let blocks = &layout.blocks[d];
+        let cuts = blocks
+            .iter()
+            .map(|b| b.lo)
+            .chain(blocks.last().map(|b| b.hi));
+        let lines = cuts.map(|at| Edge::inside(surface, across, at));
+        found.extend(lines.filter(|e| e.is_collapsed(weld)));
+    }
+    found
 }
 
 /// How large a surface is.

@@ -1,6 +1,6 @@
 //! The triangles of one surface.
 //!
-//! On a collapsed side many vertices share one point. Triangles with two corners there have no area and are left out:
+//! On a collapsed line (a side, or a corner line inside that lies on an axis) many vertices share one point. Triangles with two corners there have no area and are left out:
 //! what they would cover in space is an edge of a triangle beside them. Each remaining triangle gets its own vertex at
 //! that point, with the normal of the middle of its opposite edge, so that the tip of a cone is shaded like its flank.
 
@@ -11,23 +11,31 @@ use super::zip::Cell;
 use super::{MeshPatch, MeshVertex};
 use crate::breaks::Limit;
 use crate::interval::Interval;
-use crate::surface::{Dir, Side, Surface};
+use crate::surface::{Dir, Side, Surface, normal_at};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Marks the number of a vertex on a collapsed side, until its triangle is known.
+/// Marks the number of a vertex on a collapsed line, until its triangle is known.
 const POLE: u32 = 1 << 31;
-/// Shares of the way to the middle of a leaf at which a normal is looked for where there is none: the nearest that works
-/// is the best approximation of the limit.
+/// Shares of the way to the middle of a leaf at which a normal is looked for where not even a limit exists.
 const INWARD: [f64; 4] = [1e-6, 1e-4, 1e-2, 0.5];
 
-/// A vertex on a collapsed side.
+/// A vertex on a collapsed line.
 #[derive(Clone, Copy)]
 struct Pole {
     point: u32,
     uv: [f64; 2],
-    /// The parameter that runs along the collapsed side: 0 for u, 1 for v.
+    /// The parameter that runs along the collapsed line: 0 for u, 1 for v.
     along: usize,
+}
+
+/// A line of constant parameter that is one point.
+pub(super) struct Collapsed {
+    /// The constant parameter: 0 for u, 1 for v.
+    pub(super) across: usize,
+    pub(super) at: f64,
+    /// The point, once it is known.
+    pub(super) point: Option<u32>,
 }
 
 pub(super) struct Builder<'a> {
@@ -35,8 +43,8 @@ pub(super) struct Builder<'a> {
     pub(super) surface: &'a dyn Surface,
     pub(super) layout: &'a Layout,
     pub(super) lines: &'a Lines,
-    /// The collapsed sides, in the order of [`Side::ALL`].
-    pub(super) collapsed: [bool; 4],
+    /// The lines that are one point each.
+    pub(super) collapsed: Vec<Collapsed>,
     /// The points on the borders of leaves.
     pub(super) on_lines: HashMap<Key, u32>,
     pub(super) points: &'a mut Vec<DVec3>,
@@ -145,10 +153,6 @@ impl Builder<'_> {
 
     fn add_vertex(&mut self, place: &Place, uv: [f64; 2], point: u32) -> u32 {
         let normal = self.normal(place, uv);
-        self.push_vertex(uv, point, normal)
-    }
-
-    fn push_vertex(&mut self, uv: [f64; 2], point: u32, normal: DVec3) -> u32 {
         self.patch.vertices.push(MeshVertex { point, uv, normal });
         self.patch.vertices.len() as u32 - 1
     }
@@ -165,14 +169,17 @@ impl Builder<'_> {
         if let Some(&v) = self.vertex_of.get(&at) {
             return Ok(v);
         }
-        let point = match self.on_lines.get(&at.1) {
-            Some(&point) => point,
-            None => {
-                let point = self.add_point(uv, p)?;
-                self.on_lines.insert(at.1, point);
-                point
-            }
+        let line = (0..self.collapsed.len())
+            .find(|&l| uv[self.collapsed[l].across] == self.collapsed[l].at);
+        let known = self.on_lines.get(&at.1).copied();
+        let point = match known.or_else(|| self.collapsed[line?].point) {
+            Some(point) => point,
+            None => self.add_point(uv, p)?,
         };
+        self.on_lines.insert(at.1, point);
+        if let Some(l) = line {
+            self.collapsed[l].point.get_or_insert(point);
+        }
         let gap = self.points[point as usize].distance(p);
         if gap.is_nan() {
             return Err(MeshError::NotFinite {
@@ -181,17 +188,9 @@ impl Builder<'_> {
             });
         }
         self.gap = self.gap.max(gap);
-        let domain = self.surface.domain();
-        let on = |s: Side| match s {
-            Side::South => uv[1] == domain[1].lo,
-            Side::North => uv[1] == domain[1].hi,
-            Side::West => uv[0] == domain[0].lo,
-            Side::East => uv[0] == domain[0].hi,
-        };
-        let collapsed = (0..4).find(|&s| self.collapsed[s] && on(Side::ALL[s]));
-        let vertex = match collapsed {
-            Some(s) => {
-                let along = super::lines::index(Side::ALL[s].along());
+        let vertex = match line {
+            Some(l) => {
+                let along = 1 - self.collapsed[l].across;
                 poles.push(Pole { point, uv, along });
                 POLE | (poles.len() as u32 - 1)
             }
@@ -244,29 +243,13 @@ impl Builder<'_> {
                 }
             };
             uv[pole.along] = 0.5 * (at(others[0])[pole.along] + at(others[1])[pole.along]);
-            let mut inner = uv;
-            inner[1 - pole.along] = place.middle[1 - pole.along];
-            let normal = self.inward_normal(place, uv, inner);
-            t[k] = self.push_vertex(uv, pole.point, normal);
+            t[k] = self.add_vertex(place, uv, pole.point);
         }
         self.patch.triangles.push(t);
     }
 
     /// The unit normal, as the limit from inside the block; zero where none is found.
     fn normal(&self, place: &Place, uv: [f64; 2]) -> DVec3 {
-        self.normal_at(place, uv)
-            .unwrap_or_else(|| self.inward_normal(place, uv, place.middle))
-    }
-
-    /// The normal near a point where it is a limit only, towards another point.
-    fn inward_normal(&self, place: &Place, uv: [f64; 2], to: [f64; 2]) -> DVec3 {
-        INWARD
-            .into_iter()
-            .find_map(|f| self.normal_at(place, [0, 1].map(|d| uv[d] + f * (to[d] - uv[d]))))
-            .unwrap_or(DVec3::ZERO)
-    }
-
-    fn normal_at(&self, place: &Place, uv: [f64; 2]) -> Option<DVec3> {
         let limit = [0, 1].map(|d| {
             if uv[d] >= place.range[d].hi {
                 Limit::Below
@@ -274,7 +257,14 @@ impl Builder<'_> {
                 Limit::Above
             }
         });
-        self.surface.jet(uv, limit, 1).normal()
+        let at = |uv: [f64; 2]| normal_at(self.surface, uv, limit).vector();
+        at(uv)
+            .or_else(|| {
+                INWARD
+                    .into_iter()
+                    .find_map(|f| at([0, 1].map(|d| uv[d] + f * (place.middle[d] - uv[d]))))
+            })
+            .unwrap_or(DVec3::ZERO)
     }
 
     /// Gives vertices without a normal the mean of those of their triangles, weighted by area.

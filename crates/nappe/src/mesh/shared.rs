@@ -43,6 +43,18 @@ impl<'a> Edge<'a> {
         }
     }
 
+    /// The line where the parameter across has the value `at`; `side` says only which way it runs.
+    pub(super) fn inside(surface: &'a dyn Surface, across: Dir, at: f64) -> Self {
+        let side = match across {
+            Dir::U => Side::West,
+            Dir::V => Side::South,
+        };
+        Self {
+            at,
+            ..Self::new(surface, side)
+        }
+    }
+
     pub(super) fn uv(&self, t: f64) -> [f64; 2] {
         match self.side.along() {
             Dir::U => [t, self.at],
@@ -60,6 +72,11 @@ impl<'a> Edge<'a> {
         } else {
             self.range.lo + (self.range.hi - self.range.lo) * k as f64 / of as f64
         }
+    }
+
+    /// Parameters spread evenly over the side.
+    pub(super) fn samples(&self) -> impl Iterator<Item = f64> + '_ {
+        (0..=GUESSES).map(|k| self.sample(k, GUESSES))
     }
 
     /// The parameter in `within` of the point nearest to `p`, near `guess`: Newton's method on `(r - p)·r' = 0` with
@@ -104,8 +121,8 @@ impl<'a> Edge<'a> {
         t
     }
 
-    /// True if the whole side lies within `weld` of one point.
-    fn is_collapsed(&self, weld: f64) -> bool {
+    /// True if the whole side (sampled) lies within `weld` of one point.
+    pub(super) fn is_collapsed(&self, weld: f64) -> bool {
         let p = self.point(self.range.mid());
         (0..=GUESSES).all(|k| self.point(self.sample(k, GUESSES)).distance(p) <= 0.5 * weld)
     }

@@ -1,0 +1,79 @@
+//! Which sides of surfaces meet, for those who ask without meshing.
+
+use super::shared::{Edge, Join, edge, find};
+use crate::surface::{Side, SurfaceRef};
+
+/// Two sides that are one curve within the weld distance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Joint {
+    /// The surface and side that lead.
+    pub first: (usize, Side),
+    /// The surface and side that follow.
+    pub second: (usize, Side),
+    /// True if the parameters run in opposite directions.
+    pub reversed: bool,
+    /// The greatest distance found between partners (sampled).
+    pub gap: f64,
+    /// The length of the side, as a polygon through samples.
+    pub length: f64,
+}
+
+/// How surfaces meet.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Joints {
+    /// The pairs of sides that meet. Where more than two do, all are paired with the first.
+    pub joints: Vec<Joint>,
+    /// For each surface the sides that are one point.
+    pub collapsed: Vec<Vec<Side>>,
+    /// For each surface the sides that meet nothing.
+    pub open: Vec<Vec<Side>>,
+}
+
+/// Finds the sides that agree within `weld`, whatever their parametrisation and direction, as [`mesh`](super::mesh)
+/// does.
+pub fn joints(surfaces: &[SurfaceRef], weld: f64) -> Joints {
+    let shared = find(surfaces, weld);
+    let name = |k: usize| (k / 4, Side::ALL[k % 4]);
+    let mut out = Joints {
+        joints: Vec::new(),
+        collapsed: vec![Vec::new(); surfaces.len()],
+        open: vec![Vec::new(); surfaces.len()],
+    };
+    let mut met = shared.collapsed.clone();
+    for (k, join) in shared.joins.iter().enumerate() {
+        if let Some(join) = join {
+            met[k] = true;
+            met[join.leader] = true;
+            let (gap, length) = gap(&edge(surfaces, join.leader), &edge(surfaces, k), join);
+            out.joints.push(Joint {
+                first: name(join.leader),
+                second: name(k),
+                reversed: join.map.is_reversed(),
+                gap,
+                length,
+            });
+        }
+    }
+    for k in 0..met.len() {
+        let (surface, side) = name(k);
+        if shared.collapsed[k] {
+            out.collapsed[surface].push(side);
+        } else if !met[k] {
+            out.open[surface].push(side);
+        }
+    }
+    out
+}
+
+fn gap(lead: &Edge, other: &Edge, join: &Join) -> (f64, f64) {
+    let (mut gap, mut length) = (0.0f64, 0.0);
+    let mut previous = None;
+    for t in lead.samples() {
+        let p = lead.point(t);
+        let q = other.point(join.map.partner(0, t, p, other));
+        gap = gap.max(p.distance(q));
+        length += previous.map_or(0.0, |x: glam::DVec3| x.distance(p));
+        previous = Some(p);
+    }
+    (gap, length)
+}
