@@ -91,6 +91,11 @@ impl Frame {
         })
     }
 
+    /// The same directions at another origin.
+    pub fn moved_to(&self, origin: DVec3) -> Self {
+        Self { origin, ..*self }
+    }
+
     /// The origin.
     pub fn origin(&self) -> DVec3 {
         self.origin

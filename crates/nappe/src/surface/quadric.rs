@@ -1,6 +1,6 @@
 //! The quadrics: exact rational surfaces of degree at most 2 × 2.
 
-use super::turned::{homogeneous, net};
+use super::turned::{carried_round, homogeneous};
 use super::{Dir, Elementary, Surface};
 use crate::basis::BSplineBasis;
 use crate::box3::Box3;
@@ -446,13 +446,7 @@ fn surface(
             }
         };
         let round = ConicArcs::circle(ru[0], ru[1]);
-        let columns = round.points.len();
-        // The net has the profile first; here u goes round.
-        let by_profile = net(&profile, &round.points, e);
-        let points = (0..columns)
-            .flat_map(|i| by_profile.iter().skip(i).step_by(columns))
-            .map(|p| (p.xyz() + frame.origin() * p.w).extend(p.w))
-            .collect();
+        let points = carried_round(&profile, &round.points, e, frame.origin());
         return NurbsSurface::from_homogeneous(round.basis, basis, points);
     }
     let at = |p: DVec3, w: f64| {

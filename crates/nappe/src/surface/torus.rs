@@ -1,13 +1,13 @@
 //! The torus.
 
-use super::turned::net;
+use super::turned::carried_round;
 use super::{Dir, Surface};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit};
 use crate::exact::{ConicArcs, NurbsSurface};
 use crate::frame::Frame;
 use crate::interval::Interval;
-use glam::{DVec3, DVec4, Vec4Swizzles};
+use glam::{DVec3, DVec4};
 use std::f64::consts::TAU;
 use thiserror::Error;
 
@@ -130,13 +130,8 @@ impl Torus {
                 DVec4::new(if pole { 0.0 } else { rho }, 0.0, minor * p.y, p.z)
             })
             .collect();
-        let columns = round.points.len();
-        let by_profile = net(&profile, &round.points, options.frame.directions());
-        let origin = options.frame.origin();
-        let points = (0..columns)
-            .flat_map(|i| by_profile.iter().skip(i).step_by(columns))
-            .map(|p| (p.xyz() + origin * p.w).extend(p.w))
-            .collect();
+        let (e, origin) = (options.frame.directions(), options.frame.origin());
+        let points = carried_round(&profile, &round.points, e, origin);
         let nurbs = NurbsSurface::from_homogeneous(round.basis, section.basis, points);
         Ok(Self {
             nurbs,

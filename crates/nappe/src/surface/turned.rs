@@ -2,7 +2,7 @@
 
 use super::{Core, Separable};
 use crate::basis::FunctionsRef;
-use glam::{DVec3, DVec4};
+use glam::{DVec3, DVec4, Vec4Swizzles};
 
 /// `R = Σ_ij a_i b_j (w_i (c_j x + …)…)`: profile coefficients `P_i = (w x, w y, w z, w)` in the frame `e`, section
 /// coefficients `(w c, w s, w)`; the point is `(x c - y s) e_x + (x s + y c) e_y + z e_z`. The frame's vectors may have
@@ -18,6 +18,20 @@ pub(crate) fn net(profile: &[DVec4], section: &[DVec3], e: [DVec3; 3]) -> Vec<DV
     profile
         .iter()
         .flat_map(|&p| section.iter().map(move |&s| homogeneous(p, s, e)))
+        .collect()
+}
+
+/// The net with the section along u and the profile along v (v fastest), moved to an origin.
+pub(crate) fn carried_round(
+    profile: &[DVec4],
+    section: &[DVec3],
+    e: [DVec3; 3],
+    origin: DVec3,
+) -> Vec<DVec4> {
+    section
+        .iter()
+        .flat_map(|&s| profile.iter().map(move |&p| homogeneous(p, s, e)))
+        .map(|p| (p.xyz() + origin * p.w).extend(p.w))
         .collect()
 }
 
