@@ -31,7 +31,7 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 8] = [
+    pub const ALL: [Format; 10] = [
         Format::Glb,
         Format::Gltf,
         Format::Stl,
@@ -40,6 +40,8 @@ impl Format {
         Format::ThreeMf,
         Format::Vtu,
         Format::Json,
+        Format::Png,
+        Format::Svg,
     ];
 
     /// The ending, without the dot.
@@ -142,6 +144,7 @@ mod tests {
         for (slip, meant) in [
             ("slt", Format::Stl),
             ("gbl", Format::Glb),
+            ("pgn", Format::Png),
             ("jsn", Format::Json),
         ] {
             match Format::from_path(Path::new(&format!("x.{slip}"))) {
@@ -161,7 +164,7 @@ mod tests {
             );
             assert!(
                 e.to_string()
-                    .contains(".glb .gltf .stl .obj .ply .3mf .vtu .json"),
+                    .contains(".glb .gltf .stl .obj .ply .3mf .vtu .json .png .svg"),
                 "{e}"
             );
         }

@@ -11,6 +11,7 @@
 //! | `.ply` | shared points, normals, parameters of each corner |
 //! | `.3mf` | shared points, names, colours, units; for printing |
 //! | `.vtu` | mesh with normals, parameters and all fields |
+//! | `.png`, `.svg` | pictures, see [`render`] |
 //! | `.json` | the exact NURBS curves and surfaces |
 //!
 //! Formats that store f64 keep the mesh's proof as it is; for those that store f32, [`WriteReport`] adds what rounding
@@ -24,6 +25,7 @@ mod gltf;
 mod json;
 mod obj;
 mod ply;
+pub mod render;
 
 mod report;
 #[cfg(test)]

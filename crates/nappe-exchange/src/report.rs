@@ -1,6 +1,7 @@
 //! What was asked of a writer and what it did.
 
 use crate::format::Format;
+use crate::render::PictureOptions;
 use nappe::mesh::Certainty;
 use std::path::PathBuf;
 
@@ -9,6 +10,8 @@ use std::path::PathBuf;
 pub struct WriteOptions<'a> {
     /// Told the finished share, from 0 to 1, now and then.
     pub progress: Progress<'a>,
+    /// How `.png` and `.svg` are drawn.
+    pub picture: PictureOptions,
 }
 
 /// Somebody to tell how far a long work is; by default nobody.

@@ -179,7 +179,7 @@ impl Scene {
     }
 
     /// Each part with its mesh, of a scene that is valid.
-    pub(crate) fn patches(&self) -> impl Iterator<Item = (&Part, &MeshPatch)> {
+    pub(crate) fn patches(&self) -> impl Iterator<Item = (&Part, &MeshPatch)> + Clone {
         self.parts.iter().map(|p| (p, &self.mesh.patches[p.patch]))
     }
 

@@ -3,6 +3,7 @@
 use crate::atomic::write_atomically;
 use crate::error::ExchangeError;
 use crate::format::Format;
+use crate::render::Picture;
 use crate::report::{Tally, Ticker, WriteOptions, WriteReport};
 use crate::scene::Scene;
 use crate::{gltf, json, obj, ply, stl, threemf, vtu};
@@ -43,6 +44,9 @@ pub fn write(
         });
     }
     check_limits(path, format, scene)?;
+    if matches!(format, Format::Png | Format::Svg) {
+        return Picture::new(scene, options.picture.clone()).write(path, options.progress);
+    }
     let tally = write_atomically(path, |out| {
         let ticker = Ticker::new(options.progress, scene.triangles());
         match format {

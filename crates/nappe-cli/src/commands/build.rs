@@ -55,6 +55,7 @@ impl Args {
             let tell = |share| progress.tell(share);
             let options = WriteOptions {
                 progress: Progress::to(&tell),
+                ..WriteOptions::default()
             };
             let report = nappe_exchange::write(path, &scene, &options);
             progress.finish();

@@ -312,6 +312,7 @@ fn progress_grows_to_one() {
     let listener = |share: f64| seen.lock().unwrap().push(share);
     let options = WriteOptions {
         progress: crate::Progress::to(&listener),
+        ..Default::default()
     };
     let dir = tempfile::tempdir().unwrap();
     for ending in ["glb", "gltf", "stl", "obj", "ply", "3mf", "vtu"] {
