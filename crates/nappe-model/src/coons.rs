@@ -269,12 +269,25 @@ impl Builder<'_> {
 
     /// The report over the corner data: every place that disagrees is shown.
     fn incompatible(&mut self, o: &Object, report: &Compatibility) -> Stop {
-        let help = if report.reverse.is_empty() {
-            "move the data together in the corners that are named; twists alone can be resolved by incompatible_twists = \
-             \"gregory\" or \"average\""
-                .to_owned()
-        } else {
+        let positions = report
+            .disagreements
+            .iter()
+            .any(|d| d.datum == nappe::surface::Datum::Position);
+        let tangents = report
+            .disagreements
+            .iter()
+            .any(|d| d.datum != nappe::surface::Datum::Twist);
+        let help = if !report.reverse.is_empty() {
             reversal(&report.reverse)
+        } else if positions {
+            "move the ends together: south and north run along u from west to east, west and east along v from south to \
+             north"
+                .to_owned()
+        } else if tangents {
+            "let each cross-derivative begin and end with the tangents of the boundary curves that it meets".to_owned()
+        } else {
+            "write incompatible_twists = \"gregory\" or \"average\", or change a cross-derivative"
+                .to_owned()
         };
         let mut d = Diagnostic::new(
             "geometry",

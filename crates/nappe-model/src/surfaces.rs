@@ -248,12 +248,9 @@ impl Builder<'_> {
                 };
                 self.refuse(o, (key, &[]), e, "write a number greater than 0")
             }
-            BiquadraticError::NotFinite { row, column, .. } => self.refuse(
-                o,
-                ("points", &[*row, *column]),
-                e,
-                "use finite coordinates",
-            ),
+            BiquadraticError::NotFinite { row, column, .. } => {
+                self.refuse(o, ("points", &[*row, *column]), e, "use finite coordinates")
+            }
         })?;
         Ok(netted(surface, Some(rows)))
     }
