@@ -7,7 +7,7 @@ use crate::model::Join;
 use crate::value::Span;
 use nappe::curve::{CurveRef, Isocurve};
 use nappe::expr::nearest;
-use nappe::surface::SurfaceRef;
+use nappe::surface::{SurfaceRef, check_not_collapsed};
 use nappe::{DVec3, Frame};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -180,7 +180,11 @@ impl<'a> Builder<'a> {
             return Err(Stop::Depends);
         };
         self.surfaces.states[i] = State::Busy;
-        let result = self.inside(&object, |b| b.surface_of(&object));
+        let result = self.inside(&object, |b| {
+            let patches = b.surface_of(&object)?;
+            b.spread_out(&object, &patches)?;
+            Ok(patches)
+        });
         self.surfaces.states[i] = match result {
             Ok(patches) => {
                 self.surfaces.states[i] = State::Done(Arc::new(patches));
@@ -189,6 +193,18 @@ impl<'a> Builder<'a> {
             Err(_) => State::Failed,
         };
         result.map(|_| ())
+    }
+
+    /// Refuses surfaces without area. The place is that of the object's first datum.
+    fn spread_out(&mut self, object: &Object, patches: &[Patch]) -> Built<()> {
+        for p in patches {
+            if let Err(e) = check_not_collapsed(p.surface.as_ref()) {
+                let key = object.fields.entries.first().map_or("", |(k, _)| *k);
+                let help = "give points or curves that span a surface";
+                return Err(self.refuse(object, (key, &[]), e, help));
+            }
+        }
+        Ok(())
     }
 
     /// Runs a part of the work as a part of an object: the path of names is kept for cycles and the depth.

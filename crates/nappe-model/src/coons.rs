@@ -61,7 +61,6 @@ impl Builder<'_> {
                 options.tol = options.tol.max(tol / size);
             }
         }
-        self.collapsed(o, [&south, &north, &west, &east])?;
         let surface =
             Coons::new(south, north, west, east, &options).map_err(|e| self.coons_error(o, &e))?;
         if !surface.resolved().is_empty() {
@@ -86,20 +85,6 @@ impl Builder<'_> {
             );
         }
         Ok(Patch::one(Arc::new(surface)))
-    }
-
-    /// Refuses a boundary that encloses nothing: all four curves are one point.
-    pub(crate) fn collapsed(&mut self, o: &Object, curves: [&CurveRef; 4]) -> Result<(), Stop> {
-        let first = curves[0].ends()[0];
-        if curves.iter().all(|c| {
-            let d = c.domain();
-            (0..=8).all(|i| c.point(d.lo + (d.hi - d.lo) * f64::from(i) / 8.0) == first)
-        }) {
-            let message =
-                format!("all boundary curves are the point {first}: the surface collapses");
-            return Err(self.refuse(o, ("south", &[]), message, "give curves of some length"));
-        }
-        Ok(())
     }
 
     fn blend(&mut self, o: &Object) -> Built<Blending> {

@@ -28,7 +28,6 @@ impl Builder<'_> {
             tangents: [west_tangent?, east_tangent?],
             blend: None,
         };
-        self.collapsed(o, [&south, &north, &west, &east])?;
         let contour =
             Contour::new(south, north, west, east).map_err(|e| self.contour_error(o, &e))?;
         let surface =

@@ -642,7 +642,31 @@ pub const SURFACES: &[Kind] = &[
             ),
         ],
     },
-    // PENDING rational
+    Kind {
+        name: "rational",
+        doc: "a rational surface on any basis",
+        keys: &[
+            key(
+                "basis_u",
+                List(&T_FORMULA, None),
+                Required,
+                "functions of t on [0, 1], one for each row",
+            ),
+            key(
+                "basis_v",
+                List(&T_FORMULA, None),
+                Required,
+                "functions of t on [0, 1], one for each column",
+            ),
+            key("points", NET, Required, "rows along u"),
+            key(
+                "weights",
+                WEIGHT_NET,
+                Optional("all 1"),
+                "one positive number for each point",
+            ),
+        ],
+    },
     Kind {
         name: "revolution",
         doc: "a profile turned about an axis",
@@ -748,7 +772,44 @@ pub const SURFACES: &[Kind] = &[
             ),
         ],
     },
-    // PENDING fillet
+    Kind {
+        name: "fillet",
+        doc: "the rolling-ball blend between two surfaces",
+        keys: &[
+            key(
+                "between",
+                List(&Surface, Some(2)),
+                Required,
+                "two planes, or a plane and a cylinder",
+            ),
+            key(
+                "radius",
+                Formula(&["u"]),
+                Required,
+                "a number, or an expression in u along the edge",
+            ),
+            key(
+                "side",
+                List(&Choice(&["front", "back"]), Some(2)),
+                Optional("where the planes reach furthest; of a cylinder the front"),
+                "on which side of each surface the ball lies; front is where its normal r_u × r_v points",
+            ),
+            key(
+                "other_line",
+                Bool,
+                Optional("false"),
+                "of the two lines where a ball between a cylinder and a plane along it can lie, the other one",
+            ),
+            key(
+                "range",
+                SPAN,
+                Optional(
+                    "as long as the surfaces lie beside each other; round a cylinder one turn",
+                ),
+                "lengths along the edge, or angles round a cylinder that the plane crosses",
+            ),
+        ],
+    },
     Kind {
         name: "diagonal-key",
         doc: "a surface on four boundary curves by a linear operator",

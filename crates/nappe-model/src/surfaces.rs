@@ -25,7 +25,6 @@ impl Builder<'_> {
                 let corners = square(o, "corners")?;
                 let surface = bilinear(corners)
                     .map_err(|e| self.refuse(o, ("corners", &[]), e, "use finite coordinates"))?;
-                self.not_a_point(o, "corners", corners.as_flattened())?;
                 Ok(netted(surface, Some(corners.map(|r| r.to_vec()).to_vec())))
             }
             "ruled" => self.ruled(o),
@@ -43,16 +42,13 @@ impl Builder<'_> {
                 };
                 let surface = hermite(&data)
                     .map_err(|e| self.refuse(o, ("corners", &[]), e, "use finite coordinates"))?;
-                let all = [data.corners, data.tangents_u, data.tangents_v]
-                    .map(|t| t.as_flattened().to_vec());
-                if all[1..].iter().flatten().all(|t| *t == DVec3::ZERO) {
-                    self.not_a_point(o, "corners", &all[0])?;
-                }
                 Ok(Patch::one(Arc::new(surface)))
             }
             "bezier" | "nurbs" => self.net(o),
             "biquadratic" => self.biquadratic(o),
             "revolution" => self.revolution(o),
+            "rational" => self.rational(o),
+            "fillet" => self.fillet(o),
             "coons" => self.coons(o),
             "diagonal-key" => self.diagonal_key(o),
             "quadric" => self.quadric(o),
@@ -68,17 +64,6 @@ impl Builder<'_> {
         }
     }
 
-    /// Refuses a surface whose points are all the same.
-    fn not_a_point(&mut self, o: &Object, key: &str, points: &[DVec3]) -> Result<(), Stop> {
-        if let [first, rest @ ..] = points
-            && rest.iter().all(|p| p == first)
-        {
-            let message = format!("all points are {first}: the surface collapses to a point");
-            return Err(self.refuse(o, (key, &[]), message, "give points that span a surface"));
-        }
-        Ok(())
-    }
-
     fn ruled(&mut self, o: &Object) -> Built<Vec<Patch>> {
         let (keys, along) = match o.fields.get("south") {
             Some(_) => (["south", "north"], Dir::U),
@@ -87,20 +72,6 @@ impl Builder<'_> {
         let rails = keys.map(|k| self.curve_key(o, k));
         let [first, second] = rails;
         let (first, second) = (first?, second?);
-        let same = (0..=8).all(|i| {
-            let at = |c: &nappe::curve::CurveRef| {
-                let d = c.domain();
-                c.point(d.lo + (d.hi - d.lo) * f64::from(i) / 8.0)
-            };
-            at(&first) == at(&second)
-        });
-        if same {
-            let message = format!(
-                "`{}` and `{}` are the same curve: the surface collapses",
-                keys[0], keys[1]
-            );
-            return Err(self.refuse(o, (keys[1], &[]), message, "give two different curves"));
-        }
         let surface = ruled(first, second, along)
             .map_err(|e| self.refuse(o, (keys[0], &[]), e, "use curves with finite points"))?;
         Ok(Patch::one(Arc::new(surface)))
@@ -112,7 +83,6 @@ impl Builder<'_> {
         let rows = need(f.vector_rows("points"))?;
         let columns = rows.first().map_or(0, Vec::len);
         let points: Vec<DVec3> = rows.iter().flatten().copied().collect();
-        self.not_a_point(o, "points", &points)?;
         let weights = self.weights(o, rows.len(), columns)?;
         let surface = if o.kind.name == "bezier" {
             if rows.len() < 2 || columns < 2 {
@@ -176,7 +146,12 @@ impl Builder<'_> {
     }
 
     /// The weights of a net, row by row.
-    fn weights(&mut self, o: &Object, rows: usize, columns: usize) -> Built<Option<Vec<f64>>> {
+    pub(crate) fn weights(
+        &mut self,
+        o: &Object,
+        rows: usize,
+        columns: usize,
+    ) -> Built<Option<Vec<f64>>> {
         let Some(weights) = o.fields.number_rows("weights") else {
             return Ok(None);
         };
@@ -197,7 +172,7 @@ impl Builder<'_> {
     }
 
     /// An error of a net: the kernel counts along rows.
-    fn net_error(&mut self, o: &Object, e: &NurbsError, columns: usize) -> Stop {
+    pub(crate) fn net_error(&mut self, o: &Object, e: &NurbsError, columns: usize) -> Stop {
         let columns = columns.max(1);
         match e {
             NurbsError::Weight { index, value } => {
@@ -237,7 +212,6 @@ impl Builder<'_> {
         for (to, from) in points.iter_mut().zip(&rows) {
             to.copy_from_slice(from);
         }
-        self.not_a_point(o, "points", points.as_flattened())?;
         let weights = [need(f.number("weight_u"))?, need(f.number("weight_v"))?];
         let surface = biquadratic(&points, weights[0], weights[1]).map_err(|e| match &e {
             BiquadraticError::Weight { name, .. } => {

@@ -297,6 +297,43 @@ const ROWS: &[Row] = &[
         &["surface `s`", "p(0) is 1"],
         "v*(1 - v)",
     ),
+    // Rational surfaces and fillets.
+    (
+        "[surfaces.s]\nkind = 'rational'\nbasis_u = ['1-t', 't']\nbasis_v = ['1-2*t', 't']\npoints = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]",
+        (4, 11),
+        &["surface `s`", "weight", "must be positive"],
+        "sum to 1",
+    ),
+    (
+        "[surfaces.s]\nkind = 'rational'\nbasis_u = ['1-t', 't', 't^2']\nbasis_v = ['1/t', 't']\npoints = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]",
+        (4, 11),
+        &["surface `s`", "3 functions", "2 rows"],
+        "one function for each",
+    ),
+    (
+        "[surfaces.s]\nkind = 'rational'\nbasis_u = ['1-t', 't']\nbasis_v = ['1', '1/t']\npoints = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]",
+        (5, 17),
+        &["surface `s`", "division by zero at t = 0"],
+        "domain",
+    ),
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,0,1]],[[1,0,0],[1,0,1]]]\n[surfaces.s]\nkind = 'fillet'\nbetween = ['a', 'b']\nradius = 3",
+        (11, 10),
+        &["surface `s`", "radius 3", "too large"],
+        "lower the radius",
+    ),
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'bilinear'\ncorners = [[[0,0,1],[0,1,1]],[[1,0,1],[1,1,1]]]\n[surfaces.s]\nkind = 'fillet'\nbetween = ['a', 'b']\nradius = '0.1 + 1/(u-0.5)'",
+        (11, 10),
+        &["surface `s`", "division by zero at u = 0.5"],
+        "domain",
+    ),
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'bilinear'\ncorners = [[[0,0,1],[0,1,1]],[[1,0,1],[1,1,1]]]\n[surfaces.s]\nkind = 'fillet'\nbetween = ['a', 'b']\nradius = 0.1",
+        (10, 11),
+        &["surface `s`", "parallel"],
+        "angle",
+    ),
     // Quadrics and tori.
     (
         "[surfaces.s]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1, 2]",
@@ -332,14 +369,14 @@ const ROWS: &[Row] = &[
     (
         "[surfaces.s]\nkind = 'bilinear'\ncorners = [[[1,2,3],[1,2,3]],[[1,2,3],[1,2,3]]]",
         (4, 11),
-        &["surface `s`", "collapses", "[1, 2, 3]"],
+        &["surface `s`", "collapsed", "[1, 2, 3]"],
         "span",
     ),
     (
         "[curves.c]\nkind = 'line'\nfrom = [0,0,0]\nto = [1,0,0]\n[surfaces.s]\nkind = 'ruled'\nsouth = 'c'\nnorth = 'c'",
-        (9, 9),
-        &["surface `s`", "same curve", "collapses"],
-        "different curves",
+        (8, 9),
+        &["surface `s`", "collapsed to a curve"],
+        "span a surface",
     ),
     (
         "[surfaces.s]\nkind = 'transform'\nsurface = 't'\nscale = [1, 0, 1]\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1",
@@ -508,7 +545,7 @@ const ROWS: &[Row] = &[
     (
         "[surfaces.j]\nkind = 'join'\nsurfaces = ['a', 'b']\n[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'bilinear'\ncorners = [[[1,0,0],[1,1,0.001]],[[2,0,0],[2,1,0]]]",
         (4, 18),
-        &["surface `j`", "a.east and b.west gap by 9.999995e-4"],
+        &["surface `j`", "a.east and b.west gap by 1.000000e-3"],
         "same curve",
     ),
     (

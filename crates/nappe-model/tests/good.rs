@@ -21,6 +21,10 @@ to = "180deg"
 [surfaces.flat]
 kind = "bilinear"
 corners = [[[0, 0, 0], [0, 2, 0]], [[3, 0, 0], [3, 2, 0]]]
+[surfaces.wall]
+kind = "bilinear"
+corners = [[[0, 0, 0], [0, 0, 2]], [[3, 0, 0], [3, 0, 2]]]
+construction_only = true
 "#;
 
 fn read(text: &str) -> Model {
@@ -379,6 +383,17 @@ const SURFACES: &[SurfaceRow] = &[
         // (3, 2, 0) is (3, 2, -1) from the axis, turned (3, 1, 2), back (3, 1, 3).
         &[([1.0, 1.0], [3.0, 1.0, 3.0])],
     ),
+    (
+        "rational",
+        "basis_u = ['(1-t)^2', '2*t*(1-t)', 't^2']\nbasis_v = ['1-t', 't']\npoints = [[[1, 0, 0], [1, 0, 1]], [[1, 1, 0], [1, 1, 1]], [[0, 1, 0], [0, 1, 1]]]\nweights = [[1, 1], ['sqrt(2)/2', 'sqrt(2)/2'], [1, 1]]",
+        &[([0.5, 1.0], [H, H, 1.0])],
+    ),
+    (
+        "fillet",
+        // The planes z = 0 and y = 0: the middle of the arc is r (1 - 1/√2) from both, and u runs along z × y.
+        "between = ['flat', 'wall']\nradius = 0.5",
+        &[([1.0, 0.5], [0.0, 0.5 - 0.5 * H, 0.5 - 0.5 * H])],
+    ),
     ("join", "surfaces = ['flat']", &[]),
 ];
 
@@ -415,7 +430,7 @@ fn chashnikovs_construction_is_the_surface_of_revolution() {
          [surfaces.b]\nkind = 'revolution'\nprofile = {profile}"
     ));
     let names: Vec<&str> = model.surfaces.iter().map(|s| s.name.as_str()).collect();
-    assert_eq!(names, ["flat", "a/1", "a/2", "a/3", "a/4", "b"]);
+    assert_eq!(names, ["flat", "wall", "a/1", "a/2", "a/3", "a/4", "b"]);
     let turned = &model.surface("b").unwrap().surface;
     for k in 0..4 {
         let quarter = &model.surface(&format!("a/{}", k + 1)).unwrap().surface;
@@ -513,7 +528,7 @@ tolerance = "50deg"
 "#,
     );
     let names: Vec<&str> = model.surfaces.iter().map(|s| s.name.as_str()).collect();
-    assert_eq!(names, ["flat", "next", "moved/flat", "moved/next"]);
+    assert_eq!(names, ["flat", "wall", "next", "moved/flat", "moved/next"]);
     assert_eq!(model.joins[0].members, ["flat", "next"]);
     near(
         model
