@@ -76,7 +76,11 @@ fn rotate(p: DVec3, origin: DVec3, axis: DVec3, angle: f64) -> DVec3 {
 #[test]
 fn laws_for_every_profile_and_construction() {
     for (_, profile) in profiles() {
-        for construction in [Construction::Angle, Construction::Rational] {
+        for construction in [
+            Construction::Angle,
+            Construction::Rational,
+            Construction::Coons,
+        ] {
             for (start, angle) in [(0.0, TAU), (0.4, 2.0)] {
                 laws::surface(&revolve(
                     &profile,
@@ -100,7 +104,11 @@ fn laws_at_all_scales_and_far_away() {
         for shift in [DVec3::ZERO, v(1e3, -2e3, 5e2) * scale] {
             let axis = Frame::along(shift, v(0.0, 0.0, 1.0)).unwrap();
             for profile in [quarter(scale, shift), spline(scale, shift)] {
-                for construction in [Construction::Angle, Construction::Rational] {
+                for construction in [
+                    Construction::Angle,
+                    Construction::Rational,
+                    Construction::Coons,
+                ] {
                     laws::surface(&revolve(&profile, axis, options(0.1, 5.0, construction)));
                 }
             }
@@ -132,6 +140,41 @@ fn every_point_is_the_profiles_point_turned() {
                     assert!(gap < 1e-13 * 10.0, "{name} at {u}, {b}: {gap:e}");
                 }
             }
+        }
+    }
+}
+
+#[test]
+fn chashnikovs_coons_surface_is_the_surface_of_revolution() {
+    let (origin, axis) = (v(-4.0, 1.0, 0.5), v(1.0, -0.5, 2.0));
+    let frame = Frame::along(origin, axis).unwrap();
+    for (name, profile) in profiles() {
+        for (start, angle) in [(0.0, TAU), (-1.0, 2.5), (0.2, FRAC_PI_2), (0.0, 1e-3)] {
+            let [coons, direct] = [Construction::Coons, Construction::Angle]
+                .map(|c| revolve(&profile, frame, options(start, angle, c)));
+            let d = profile.domain();
+            for i in 0..=24 {
+                for j in 0..=24 {
+                    let (a, b) = (i as f64 / 24.0, j as f64 / 24.0);
+                    let u = d.lo + a * (d.hi - d.lo);
+                    let want = rotate(profile.point(u), origin, axis, start + angle * b);
+                    let gap = (coons.point([a, b]) - want).length();
+                    assert!(gap < 1e-13 * 10.0, "{name} at {u}, {b}: {gap:e}");
+                    let [p, q] = [(&coons, a), (&direct, u)]
+                        .map(|(s, u)| s.jet([u, b], Default::default(), 2));
+                    for (k, order) in [(1, 1), (2, 0), (3, 2), (4, 1), (5, 0)] {
+                        let q = q.d[k] * (d.hi - d.lo).powi(order);
+                        let gap = (p.d[k] - q).length();
+                        let scale = 10.0 * q.length().max(10.0);
+                        assert!(gap < 1e-11 * scale, "{name}: derivative {k} off by {gap:e}");
+                    }
+                }
+            }
+            assert!(coons.to_nurbs().is_none());
+            assert_eq!(
+                coons.to_rational().is_some(),
+                direct.to_rational().is_some()
+            );
         }
     }
 }

@@ -28,6 +28,7 @@ mod rational;
 mod revolution;
 mod rolling_ball;
 mod ruled;
+mod sectors;
 mod separable;
 mod sides;
 mod torus;

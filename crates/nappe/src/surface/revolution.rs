@@ -1,8 +1,9 @@
 //! Surfaces of revolution.
 
 use super::axis_contact::{self, Contact};
+use super::sectors::Sectors;
 use super::turned::{net, turned};
-use super::{Dir, Separable, Surface, SurfaceRef};
+use super::{CoonsError, Dir, Separable, Surface, SurfaceRef};
 use crate::basis::{Framed, Turn};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit};
@@ -82,6 +83,9 @@ pub enum RevolutionError {
         /// The point.
         point: DVec3,
     },
+    /// A sector could not be built as a Coons surface.
+    #[error(transparent)]
+    Coons(#[from] CoonsError),
     /// The profile has coordinates that are not finite.
     #[error("the profile is ({}, {}, {}) at t = {at}: points must be finite", point.x, point.y, point.z)]
     NotFinite {
@@ -102,6 +106,10 @@ pub enum Construction {
     /// Equal rational quadratic arcs of at most a quarter turn with weights `cos(half angle)`; v is their parameter.
     /// An exact NURBS surface if the profile is a NURBS curve.
     Rational,
+    /// Equal sectors of at most a quarter turn, each the Coons surface of its boundary functions with trigonometric
+    /// blending; v is proportional to the angle, u is the profile's parameter brought to `[0, 1]`. The same map as
+    /// [`Construction::Angle`] up to rounding; poles collapse up to rounding. Source: Chashnikov 2007, theorem and §4.
+    Coons,
     /// Grigoriev's sections: quarters from P0 to P2 (P0 turned by a right angle) with the middle point P1 = P0 + P2 seen
     /// from the axis and weight √μ; the angle must be a whole number of quarters, the further quarters being the
     /// reflections of the first. `(X+Y-1)² = 4μ(1-X)(1-Y)` on each quarter; μ = 1/2 is the circle.
@@ -133,7 +141,7 @@ impl Default for RevolutionOptions {
     }
 }
 
-/// A surface of revolution: u along the profile (over its own domain), v along the turn on `[0, 1]`, counter-clockwise
+/// A surface of revolution: u along the profile (over its own domain, or `[0, 1]` by Coons sectors), v along the turn on `[0, 1]`, counter-clockwise
 /// seen from the tip of the axis.
 ///
 /// The profile is any curve, in a plane through the axis or not; every point of it is turned as it is. With `e` the unit
@@ -185,7 +193,7 @@ impl Revolution {
             }
             Contact::Along { from, to } => return Err(RevolutionError::OnAxis { from, to }),
         };
-        let form = form(&profile, &axis, &options, poles);
+        let form = form(&profile, &axis, &options, poles)?;
         Ok(Self {
             form,
             profile,
@@ -201,7 +209,7 @@ impl Revolution {
     pub fn with_arcs(&self) -> Self {
         let options = with_arcs(&self.options);
         Self {
-            form: form(&self.profile, &self.axis, &options, self.poles),
+            form: by_arcs(&self.profile, &self.axis, &options, self.poles),
             options,
             ..self.clone()
         }
@@ -236,7 +244,9 @@ impl Revolution {
 /// The options for the same points by rational arcs.
 fn with_arcs(o: &RevolutionOptions) -> RevolutionOptions {
     let construction = match o.construction {
-        Construction::Angle | Construction::Rational => Construction::Rational,
+        Construction::Angle | Construction::Coons | Construction::Rational => {
+            Construction::Rational
+        }
         conic @ Construction::Conic { .. } => conic,
     };
     RevolutionOptions { construction, ..*o }
@@ -267,44 +277,63 @@ fn checked(mut o: RevolutionOptions) -> Result<RevolutionOptions, RevolutionErro
     Ok(o)
 }
 
-/// The surface itself: a NURBS surface if both sides are rational, else a separable one.
-fn form(profile: &CurveRef, axis: &Frame, o: &RevolutionOptions, poles: [bool; 2]) -> SurfaceRef {
+/// The surface itself.
+fn form(
+    profile: &CurveRef,
+    axis: &Frame,
+    o: &RevolutionOptions,
+    poles: [bool; 2],
+) -> Result<SurfaceRef, CoonsError> {
+    Ok(match o.construction {
+        Construction::Angle => {
+            let nurbs = profile.to_nurbs().map(|n| {
+                let points = in_frame(&n, axis, poles);
+                (n, points)
+            });
+            let section = [DVec3::Z, DVec3::X, DVec3::Y];
+            let v = Arc::new(Turn::new(o.start, o.angle));
+            let profile = (profile, axis, poles);
+            Arc::new(separable(nurbs, profile, v, &section, false))
+        }
+        Construction::Coons => Arc::new(Sectors::new(profile, axis, o.start, o.angle)?),
+        Construction::Rational | Construction::Conic { .. } => by_arcs(profile, axis, o, poles),
+    })
+}
+
+/// The surface by arcs: a NURBS surface if the profile is a NURBS curve, else a separable one.
+fn by_arcs(
+    profile: &CurveRef,
+    axis: &Frame,
+    o: &RevolutionOptions,
+    poles: [bool; 2],
+) -> SurfaceRef {
     let arcs = match o.construction {
-        Construction::Angle => None,
-        Construction::Rational => Some(ConicArcs::circle(o.start, o.start + o.angle)),
         Construction::Conic { mu } => {
             let quarters = (o.angle / FRAC_PI_2).round() as usize;
-            Some(turned_by(ConicArcs::grigoriev(mu, quarters), o.start))
+            turned_by(ConicArcs::grigoriev(mu, quarters), o.start)
         }
+        _ => ConicArcs::circle(o.start, o.start + o.angle),
     };
-    let nurbs = profile.to_nurbs();
-    let coefficients = nurbs.as_ref().map(|n| in_frame(n, axis, poles));
-    match (arcs, nurbs.zip(coefficients)) {
-        (Some(arcs), Some((n, points))) => {
-            let e = axis.directions();
-            let points = net(&points, &arcs.points, e)
-                .into_iter()
-                .map(|p| (p.xyz() + axis.origin() * p.w).extend(p.w))
-                .collect();
-            Arc::new(NurbsSurface::from_homogeneous(
-                n.basis().clone(),
-                arcs.basis,
-                points,
-            ))
-        }
-        (Some(arcs), None) => Arc::new(separable(
+    let Some(n) = profile.to_nurbs() else {
+        let profile = (profile, axis, poles);
+        return Arc::new(separable(
             None,
-            (profile, axis, poles),
+            profile,
             Arc::new(arcs.basis),
             &arcs.points,
             true,
-        )),
-        (None, nurbs) => {
-            let section = [DVec3::Z, DVec3::X, DVec3::Y];
-            let v = Arc::new(Turn::new(o.start, o.angle));
-            Arc::new(separable(nurbs, (profile, axis, poles), v, &section, false))
-        }
-    }
+        ));
+    };
+    let points = in_frame(&n, axis, poles);
+    let points = net(&points, &arcs.points, axis.directions())
+        .into_iter()
+        .map(|p| (p.xyz() + axis.origin() * p.w).extend(p.w))
+        .collect();
+    Arc::new(NurbsSurface::from_homogeneous(
+        n.basis().clone(),
+        arcs.basis,
+        points,
+    ))
 }
 
 /// A profile, given as NURBS coefficients or through its coordinate functions, with a section.
@@ -395,6 +424,6 @@ impl Surface for Revolution {
     fn to_rational(&self) -> Option<NurbsSurface> {
         let profile: CurveRef = Arc::new(self.profile.to_rational()?);
         let options = with_arcs(&self.options);
-        form(&profile, &self.axis, &options, self.poles).to_nurbs()
+        by_arcs(&profile, &self.axis, &options, self.poles).to_nurbs()
     }
 }
