@@ -2,16 +2,18 @@
 
 #![allow(clippy::unwrap_used)]
 
-use nappe::basis::Blending;
+use nappe::basis::{Blending, ExpressionFunctions};
 use nappe::curve::{Curve, CurveRef};
 use nappe::exact::{NurbsCurve, NurbsSurface};
+use nappe::expr::Expr;
 use nappe::laws::{self, Random};
 use nappe::series::Series;
 use nappe::surface::{
     Coons, CoonsError, CoonsOptions, Corner, Cross, Datum, Dir, Estimate, IncompatibleTwists, Side,
-    Source, Surface, SurfaceRef, bilinear,
+    Source, Surface, SurfaceRef, bilinear, check_not_collapsed,
 };
 use nappe::{Box3, Break, DAffine3, DMat3, DVec3, Interval, Limit, UNIT_BREAKS};
+use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
@@ -367,6 +369,16 @@ fn a_hundred_thousand_boxes_hold_their_samples() {
     laws::surface_with(&coons(&sides(&source), &options).unwrap(), 100_000);
 }
 
+#[test]
+fn a_hundred_thousand_boxes_hold_with_trigonometric_blending() {
+    let source = patch(7, [3, 4], 1.0, DVec3::ZERO);
+    let options = CoonsOptions {
+        blend: Blending::trigonometric(2.0).unwrap(),
+        ..CoonsOptions::default()
+    };
+    laws::surface_with(&coons(&sides(&source), &options).unwrap(), 100_000);
+}
+
 /// Cross-derivatives of one surface on south and north and of another, changed inside, on west and east.
 fn incompatible(scale: f64, shift: DVec3, twists: IncompatibleTwists) -> Result<Coons, CoonsError> {
     let source = patch(8, [4, 4], scale, shift);
@@ -413,7 +425,7 @@ fn gregory_keeps_every_cross_derivative() {
 #[test]
 fn gregory_enclosures_hold_towards_the_corner() {
     let c = gregory(1.0, DVec3::ZERO);
-    laws::surface_with(&c, 20_000);
+    laws::surface_with(&c, 100_000);
     for k in 2..60 {
         let w = 0.5f64.powi(k);
         let boxes = c.enclose([Interval::new(0.0, w), Interval::new(0.0, w)], 2);
@@ -823,6 +835,140 @@ fn curves_over_other_domains_and_with_breaks_are_taken() {
         for k in 0..=30 {
             let t = k as f64 / 30.0;
             assert!(c.point([t, 0.0]).distance(bent.point(2.0 + 3.0 * t)) <= 1e-14);
+        }
+    }
+}
+
+fn expressions(texts: &[&str]) -> Blending {
+    let bound = |s: &&str| Expr::parse(s).unwrap().bind(&["t"], &[]).unwrap();
+    let functions = ExpressionFunctions::new(texts.iter().map(bound), [0.0, 1.0]).unwrap();
+    Blending::user(Arc::new(functions)).unwrap()
+}
+
+/// Blending written by a user: quintic, and one that does not sum to 1 (then the formula is taken as it stands).
+#[test]
+fn user_blending_keeps_all_boundary_functions() {
+    let quintic = expressions(&[
+        "1 - t^3*(10 - 15*t + 6*t^2)",
+        "t*(1-t)^3*(1+3*t)",
+        "-t^3*(1-t)*(4-3*t)",
+        "t^3*(10 - 15*t + 6*t^2)",
+    ]);
+    let odd = expressions(&[
+        "(1-t)^2*(1+2*t) + 3*(t*(1-t))^2",
+        "t*(1-t)^2",
+        "-t^2*(1-t)",
+        "t^2*(3-2*t)",
+    ]);
+    assert!(quintic.is_affine() && !odd.is_affine());
+    let source = patch(13, [4, 5], 1.0, DVec3::new(5.0, -3.0, 2.0));
+    for (blend, twists) in [
+        (quintic.clone(), IncompatibleTwists::Error),
+        (odd, IncompatibleTwists::Error),
+        (quintic, IncompatibleTwists::Gregory),
+    ] {
+        let mut options = CoonsOptions {
+            blend,
+            cross: given(&source),
+            incompatible_twists: twists,
+            ..CoonsOptions::default()
+        };
+        let mut want = Side::ALL.map(|side| boundary(&source, side, 1));
+        if twists == IncompatibleTwists::Gregory {
+            want[2] = changed(&source, Side::West, 1.0);
+            options.cross[2] = Cross::Curve(want[2].clone());
+        }
+        let c = coons(&sides(&source), &options).unwrap();
+        laws::surface(&c);
+        for side in Side::ALL {
+            assert!(error_on(&c, side, 0, boundary(&source, side, 0).as_ref()) <= 2e-14);
+            assert!(error_on(&c, side, 1, want[side as usize].as_ref()) <= 5e-14);
+        }
+    }
+}
+
+#[test]
+fn a_side_may_be_a_point() {
+    let p = [
+        DVec3::ZERO,
+        DVec3::new(1.0, 0.2, 0.0),
+        DVec3::new(0.3, 1.0, 0.4),
+    ];
+    let line = |a: DVec3, b: DVec3| -> CurveRef {
+        let m = a.midpoint(b) + DVec3::Z * (a.distance(b) * 0.3);
+        Arc::new(NurbsCurve::bezier(&[a, m, b], None).unwrap())
+    };
+    let curves = [
+        line(p[0], p[1]),
+        line(p[2], p[2]),
+        line(p[0], p[2]),
+        line(p[1], p[2]),
+    ];
+    for options in [CoonsOptions::default(), cubic()] {
+        let c = coons(&curves, &options).unwrap();
+        assert_eq!(check_not_collapsed(&c), Ok(()));
+        laws::surface(&c);
+        for k in 0..=20 {
+            assert!(c.point([k as f64 / 20.0, 1.0]).distance(p[2]) <= 1e-15);
+        }
+    }
+}
+
+/// Points of a small lattice, so that corners, whole sides and tangents often coincide.
+fn lattice() -> impl Strategy<Value = DVec3> {
+    (-1i32..=1, -1i32..=1, 0i32..=1).prop_map(|(x, y, z)| DVec3::new(x as f64, y as f64, z as f64))
+}
+
+proptest! {
+    /// Whatever the data, the answer is a surface on its boundary, or an error that says where it fails.
+    #[test]
+    fn degenerate_data_gives_a_surface_or_a_located_error(
+        corners in prop::array::uniform4(lattice()),
+        inner in prop::collection::vec(lattice(), 8),
+        cross in prop::collection::vec(lattice(), 4),
+        broken in 0usize..12,
+        mode in 0usize..3,
+        scale in prop::sample::select(vec![1e-6, 1.0, 1e6]),
+    ) {
+        let [a, b, c, d] = corners.map(|p| p * scale);
+        let ends = [[a, b], [c, d], [a, c], [b, d]];
+        let mut curves: Vec<CurveRef> = Vec::new();
+        for (k, [p, q]) in ends.into_iter().enumerate() {
+            let mut points = [p, inner[2 * k] * scale, inner[2 * k + 1] * scale, q];
+            if broken == k {
+                points.reverse();
+            }
+            curves.push(Arc::new(NurbsCurve::bezier(&points, None).unwrap()));
+        }
+        let curves: [CurveRef; 4] = curves.try_into().unwrap();
+        let mut options = if mode == 0 { CoonsOptions::default() } else { cubic() };
+        options.estimate = Estimate::Adini;
+        options.incompatible_twists =
+            [IncompatibleTwists::Error, IncompatibleTwists::Gregory, IncompatibleTwists::Average][mode];
+        if mode > 0 && broken > 8 {
+            let points = [cross[0] * scale, cross[1] * scale, cross[2] * scale];
+            let curve: CurveRef = Arc::new(NurbsCurve::bezier(&points, None).unwrap());
+            options.cross[broken - 8] = Cross::Curve(curve);
+        }
+        match coons(&curves, &options) {
+            Ok(s) => {
+                for side in Side::ALL {
+                    let error = error_on(&s, side, 0, curves[side as usize].as_ref());
+                    prop_assert!(error <= 1e-8 * scale, "{side}: {error:e}");
+                }
+                let jet = s.jet([0.3, 0.6], ABOVE, 3);
+                prop_assert!(jet.d.iter().all(|d| d.is_finite()));
+                let unit = s.enclose([Interval::UNIT; 2], 1);
+                prop_assert!(unit.iter().all(|b| b.is_finite()));
+                prop_assert!(unit[0].inflate(1e-13 * scale).contains(jet.point()));
+            }
+            Err(CoonsError::Incompatible(report)) => {
+                prop_assert!(!report.is_compatible());
+                for d in &report.disagreements {
+                    prop_assert!(d.distance > d.limit && d.distance.is_finite());
+                }
+            }
+            Err(e) => prop_assert!(false, "{e}"),
         }
     }
 }

@@ -349,3 +349,27 @@ fn bad_data_is_named_with_its_place() {
         RuledError::NotFinite { rail: 1, .. }
     ));
 }
+
+/// The source's contraction: `P_i = Σ_j B_j(w) b_ij` are the points of the Bézier curve w = const.
+#[test]
+fn an_isoparametric_curve_of_a_bezier_surface_is_its_contracted_net() {
+    let mut random = Random(12);
+    let net: Vec<_> = (0..16).map(|_| vector(&mut random)).collect();
+    let s = NurbsSurface::bezier(4, &net, None).unwrap();
+    for w in [0.0, 0.3, 0.75, 1.0] {
+        let b = [
+            (1.0 - w) * (1.0 - w) * (1.0 - w),
+            3.0 * (1.0 - w) * (1.0 - w) * w,
+            3.0 * (1.0 - w) * w * w,
+            w * w * w,
+        ];
+        let row = s.isocurve(Dir::U, w, Limit::Above).control_points();
+        let column = s.isocurve(Dir::V, w, Limit::Above).control_points();
+        for i in 0..4 {
+            let along_u: DVec3 = (0..4).map(|j| net[4 * i + j] * b[j]).sum();
+            let along_v: DVec3 = (0..4).map(|j| net[4 * j + i] * b[j]).sum();
+            assert!(row[i].distance(along_u) <= 4e-16 * 4.0);
+            assert!(column[i].distance(along_v) <= 4e-16 * 4.0);
+        }
+    }
+}

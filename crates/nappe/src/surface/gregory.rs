@@ -84,7 +84,7 @@ impl Gregory {
     }
 
     /// Enclosures of the derivatives of `h(x) = H(x)/x`, where x is the distance from the corner's end, for x in a part
-    /// of `[0, reach]`; `None` where the functions are not analytic down to the corner.
+    /// of the first piece; `None` where the functions are not analytic down to the corner, or not proven to vanish there.
     fn quotient(
         &self,
         corner: &GregoryCorner,
@@ -96,19 +96,20 @@ impl Gregory {
             lo: 0.0,
             hi: x.hi.max(0.0),
         };
-        let (t, limit) = if corner.ends[dir] == 0 {
-            (from_corner, Limit::Above)
+        let n = self.functions.count();
+        let (f, sign) = (corner.functions()[dir], corner.signs()[dir]);
+        let (t, limit, end) = if corner.ends[dir] == 0 {
+            (from_corner, Limit::Above, Interval::ZERO)
         } else {
-            (Interval::ONE - from_corner, Limit::Below)
+            (Interval::ONE - from_corner, Limit::Below, Interval::ONE)
         };
         let breaks = self.functions.breaks();
-        let piece = breaks.piece(breaks.find(if corner.ends[dir] == 0 { 0.0 } else { 1.0 }, limit));
-        if !piece.encloses(t.meet(Interval::UNIT)) {
+        let piece = breaks.piece(breaks.find(end.lo, limit));
+        let vanishes = self.enclosed_rows(end, limit, 0)[f] == Interval::ZERO;
+        if !piece.encloses(t.meet(Interval::UNIT)) || !vanishes {
             return None;
         }
-        let n = self.functions.count();
         let rows = self.enclosed_rows(t.meet(Interval::UNIT), limit, order + 1);
-        let (f, sign) = (corner.functions()[dir], corner.signs()[dir]);
         // h(x) = ∫ H'(s x) ds over [0, 1], since H(0) = 0, and so h⁽ᵏ⁾ is a mean of H⁽ᵏ⁺¹⁾/(k+1) over [0, x].
         let signed = |k: usize| {
             let d = rows[k * n + f];

@@ -16,6 +16,7 @@ mod collapsed;
 mod compatibility;
 mod contour;
 mod coons;
+mod coons_data;
 mod diagonal_key;
 mod elementary;
 mod fillet;

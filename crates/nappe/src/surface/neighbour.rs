@@ -1,6 +1,7 @@
 //! The cross-derivative that continues a neighbouring surface over a shared side without a crease.
 
-use super::coons::{CoonsError, functionals};
+use super::coons::CoonsError;
+use super::coons_data::functionals;
 use super::sides::{Corner, Side};
 use super::{Dir, SurfaceRef};
 use crate::basis::BSplineBasis;

@@ -1,0 +1,333 @@
+//! The data of a Coons surface: collected, checked against itself, and summed up.
+
+use super::bilinear::not_finite;
+use super::compatibility::{Compatibility, Datum, Disagreement, Source};
+use super::contour::{Contour, ContourError, size};
+use super::coons::{CoonsError, CoonsOptions, Cross, Estimate, Form, IncompatibleTwists};
+use super::gregory::{Gregory, GregoryCorner};
+use super::neighbour::continuation;
+use super::sides::{Corner, Side};
+use super::{Core, Dir, Separable, Term};
+use crate::basis::{Blending, Coordinates, FunctionsRef, Stack};
+use crate::box3::Box3;
+use crate::breaks::Limit;
+use crate::curve::{Curve, CurveRef, on_unit_domain};
+use glam::{DVec3, DVec4};
+use std::sync::Arc;
+
+/// Indices 0 to 3 stand for the functionals: value at 0, derivative at 0, derivative at 1, value at 1.
+fn is_derivative(i: usize) -> bool {
+    i == 1 || i == 2
+}
+
+/// The end a functional belongs to.
+fn end(i: usize) -> usize {
+    i / 2
+}
+
+/// What the functionals give for a curve.
+pub(super) fn functionals(curve: &dyn Curve) -> [DVec3; 4] {
+    let (a, b) = (
+        curve.jet(0.0, Limit::Above, 1).d,
+        curve.jet(1.0, Limit::Below, 1).d,
+    );
+    [a[0], a[1], b[1], b[0]]
+}
+
+/// The boundary functions and their corner data.
+pub(super) struct Data {
+    /// f_i: west, across west, across east, east.
+    f: [Option<CurveRef>; 4],
+    /// g_j: south, across south, across north, north.
+    g: [Option<CurveRef>; 4],
+    /// `L_j(f_i)` at `[i][j]`.
+    from_f: [[Option<DVec3>; 4]; 4],
+    /// `L_i(g_j)` at `[i][j]`.
+    from_g: [[Option<DVec3>; 4]; 4],
+    /// A length to compare with.
+    size: f64,
+    /// Why the contour does not close.
+    open: Option<ContourError>,
+}
+
+/// The side whose position (or cross-derivative) is the i-th boundary function.
+fn source(along: Dir, i: usize) -> Source {
+    let side = match along {
+        Dir::U => [Side::South, Side::North][end(i)],
+        Dir::V => [Side::West, Side::East][end(i)],
+    };
+    if is_derivative(i) {
+        Source::Cross(side)
+    } else {
+        Source::Side(side)
+    }
+}
+
+impl Data {
+    pub(super) fn new(sides: [CurveRef; 4], options: &CoonsOptions) -> Result<Self, CoonsError> {
+        let tangents = options.blend.has_tangents();
+        if !tangents {
+            let given = |s: &Side| !matches!(options.cross[*s as usize], Cross::Estimated);
+            let twists = options.twists.map(|_| Source::Twists);
+            let cross = Side::ALL.into_iter().find(given).map(Source::Cross);
+            if let Some(source_name) = cross.or(twists) {
+                return Err(CoonsError::PositionsOnly { source_name });
+            }
+        }
+        let size = size(&sides);
+        let tol = options.tol.max(Contour::CLOSURE) * size;
+        let [south, north, west, east] = sides.clone();
+        let open = match Contour::with_tolerance(south, north, west, east, tol) {
+            Ok(_) => None,
+            Err(e @ ContourError::Open { .. }) => Some(e),
+            Err(e) => return Err(CoonsError::Contour(e)),
+        };
+        let mut cross = [None, None, None, None];
+        for side in Side::ALL {
+            cross[side as usize] = match &options.cross[side as usize] {
+                Cross::Estimated => None,
+                Cross::Curve(c) => Some(on_unit_domain(c.clone())),
+                Cross::Neighbour {
+                    surface,
+                    side: other,
+                } => match continuation(&sides, side, surface, *other, tol) {
+                    Ok(c) => Some(c),
+                    // A contour that is open is the first thing to mend.
+                    Err(_) if open.is_some() => None,
+                    Err(e) => return Err(e),
+                },
+            };
+        }
+        let [south, north, west, east] = sides.map(Some);
+        let [across_south, across_north, across_west, across_east] = cross;
+        let mut data = Self {
+            f: [west, across_west, across_east, east],
+            g: [south, across_south, across_north, north],
+            from_f: Default::default(),
+            from_g: Default::default(),
+            size,
+            open,
+        };
+        let used = |k: usize| tangents || !is_derivative(k);
+        for i in 0..4 {
+            for (along, curve) in [(Dir::V, &data.f[i]), (Dir::U, &data.g[i])] {
+                let Some(curve) = curve else { continue };
+                for (j, value) in functionals(curve.as_ref()).into_iter().enumerate() {
+                    if !used(j) {
+                        continue;
+                    }
+                    if !value.is_finite() {
+                        return Err(CoonsError::NotFinite {
+                            source_name: source(along, i),
+                            at: end(j) as f64,
+                            order: is_derivative(j) as usize,
+                            value,
+                        });
+                    }
+                    match along {
+                        Dir::V => data.from_f[i][j] = Some(value),
+                        Dir::U => data.from_g[j][i] = Some(value),
+                    }
+                }
+            }
+        }
+        if let Some(twists) = &options.twists
+            && let Some((u, v)) = not_finite(twists)
+        {
+            let value = twists[u][v];
+            return Err(CoonsError::TwistNotFinite { u, v, value });
+        }
+        Ok(data)
+    }
+
+    /// All conditions that are missed.
+    fn disagreements(&self, options: &CoonsOptions) -> Vec<Disagreement> {
+        let tol = options.tol.max(Contour::CLOSURE);
+        let mut all = Vec::new();
+        for corner in Corner::ALL {
+            let [u, v] = corner.ends();
+            for (i, j) in corner_pairs(u, v) {
+                let datum = match (is_derivative(i), is_derivative(j)) {
+                    (false, false) => Datum::Position,
+                    (true, false) => Datum::TangentU,
+                    (false, true) => Datum::TangentV,
+                    (true, true) => Datum::Twist,
+                };
+                let given = options.twists.filter(|_| datum == Datum::Twist);
+                let candidates = [
+                    (self.from_g[i][j], source(Dir::U, j)),
+                    (self.from_f[i][j], source(Dir::V, i)),
+                    (given.map(|t| t[u][v]), Source::Twists),
+                ];
+                let known: Vec<_> = candidates
+                    .into_iter()
+                    .filter_map(|(value, s)| Some((value?, s)))
+                    .collect();
+                for (k, &(a, sa)) in known.iter().enumerate() {
+                    for &(b, sb) in &known[k + 1..] {
+                        let own = if datum == Datum::Position {
+                            0.0
+                        } else {
+                            a.length().max(b.length())
+                        };
+                        let (distance, limit) = (a.distance(b), tol * self.size.max(own));
+                        if distance > limit {
+                            all.push(Disagreement {
+                                corner,
+                                datum,
+                                sources: [sa, sb],
+                                values: [a, b],
+                                distance,
+                                limit,
+                            });
+                        }
+                    }
+                }
+            }
+        }
+        all
+    }
+
+    /// The agreed corner data `[i][j]`. Where two sources agree within the tolerance their mean is taken, so that the
+    /// surface does not depend on the order of u and v.
+    fn corner_data(&self, options: &CoonsOptions) -> [[DVec3; 4]; 4] {
+        let mut data = [[DVec3::ZERO; 4]; 4];
+        for i in 0..4 {
+            for j in 0..4 {
+                let twist = options
+                    .twists
+                    .filter(|_| is_derivative(i) && is_derivative(j));
+                data[i][j] = match (twist, self.from_f[i][j], self.from_g[i][j]) {
+                    (Some(t), ..) => t[end(i)][end(j)],
+                    (None, Some(a), Some(b)) => a.midpoint(b),
+                    (None, Some(a), None) | (None, None, Some(a)) => a,
+                    (None, None, None) => self.estimated_twist(i, j, options.estimate),
+                };
+            }
+        }
+        data
+    }
+
+    fn estimated_twist(&self, i: usize, j: usize, estimate: Estimate) -> DVec3 {
+        if estimate == Estimate::Ferguson {
+            return DVec3::ZERO;
+        }
+        let f = |a: usize, b: usize| self.from_f[a][b].unwrap_or(DVec3::ZERO);
+        let g = |a: usize, b: usize| self.from_g[a][b].unwrap_or(DVec3::ZERO);
+        // ∂²/∂u∂v of (1-v) g1 + v g4 + (1-u) f1 + u f4 - bilinear.
+        let bilinear = (g(0, 0) - g(3, 0)) + (g(3, 3) - g(0, 3));
+        (g(i, 3) - g(i, 0)) + (f(3, j) - f(0, j)) - bilinear
+    }
+
+    /// The surface, and the incompatible twists that were resolved.
+    pub(super) fn build(
+        self,
+        options: &CoonsOptions,
+    ) -> Result<(Form, Vec<Disagreement>), CoonsError> {
+        let disagreements = self.disagreements(options);
+        let resolvable = |d: &Disagreement| match options.incompatible_twists {
+            IncompatibleTwists::Error => false,
+            IncompatibleTwists::Average => d.datum == Datum::Twist,
+            IncompatibleTwists::Gregory => {
+                d.datum == Datum::Twist && !d.sources.contains(&Source::Twists)
+            }
+        };
+        if self.open.is_some() || !disagreements.iter().all(resolvable) {
+            let (reverse, remaining) = match self.open {
+                Some(ContourError::Open {
+                    reverse,
+                    remaining,
+                    tol,
+                    ..
+                }) => (reverse, if remaining > tol { remaining } else { 0.0 }),
+                _ => (Vec::new(), 0.0),
+            };
+            return Err(CoonsError::Incompatible(Box::new(Compatibility {
+                disagreements,
+                reverse,
+                remaining,
+            })));
+        }
+        let data = self.corner_data(options);
+        let base = self.separable(&data, &options.blend);
+        let gregory = options.incompatible_twists == IncompatibleTwists::Gregory;
+        let form = if gregory && !disagreements.is_empty() {
+            let corners = disagreements.iter().map(|d| {
+                let [u, v] = d.corner.ends();
+                // values are those of g, f; the mean is in the base.
+                GregoryCorner::new([u, v], (d.values[1] - d.values[0]) * 0.5)
+            });
+            Form::Gregory(Gregory::new(
+                base,
+                options.blend.functions().clone(),
+                corners.collect(),
+            ))
+        } else {
+            Form::Separable(base)
+        };
+        Ok((form, disagreements))
+    }
+
+    fn separable(&self, data: &[[DVec3; 4]; 4], blend: &Blending) -> Separable {
+        let h = blend.functions();
+        let kept: &[usize] = if blend.has_tangents() {
+            &[0, 1, 2, 3]
+        } else {
+            &[0, 3]
+        };
+        // Blending that does not sum to 1 does not commute with translations: its formula is taken as it stands.
+        let corners = [data[0][0], data[3][0], data[0][3], data[3][3]];
+        let middle = Box3::around(corners).map_or(DVec3::ZERO, Box3::mid);
+        let origin = if blend.is_affine() && middle.is_finite() {
+            middle
+        } else {
+            DVec3::ZERO
+        };
+        let axes = [DVec4::X, DVec4::Y, DVec4::Z];
+        let mut terms = Vec::new();
+        let mut stack = |curves: &[Option<CurveRef>; 4], along: Dir| -> FunctionsRef {
+            let mut parts: Vec<FunctionsRef> = vec![h.clone()];
+            let mut next = h.count();
+            for (b, &k) in kept.iter().enumerate() {
+                let Some(curve) = &curves[k] else { continue };
+                let from = if is_derivative(k) {
+                    DVec3::ZERO
+                } else {
+                    origin
+                };
+                parts.push(Arc::new(Coordinates::new(curve.clone(), from)));
+                terms.extend((0..3).map(|c| match along {
+                    Dir::U => Term::new(next + c, b, axes[c]),
+                    Dir::V => Term::new(b, next + c, axes[c]),
+                }));
+                next += 3;
+            }
+            Arc::new(Stack::new(parts))
+        };
+        let u = stack(&self.g, Dir::U);
+        let v = stack(&self.f, Dir::V);
+        for (a, &i) in kept.iter().enumerate() {
+            for (b, &j) in kept.iter().enumerate() {
+                // A function that is not given is Σ H times its corner data.
+                let factor = self.f[i].is_none() as i32 + self.g[j].is_none() as i32 - 1;
+                let position = !is_derivative(i) && !is_derivative(j);
+                let c = data[i][j] - if position { origin } else { DVec3::ZERO };
+                if factor != 0 && c != DVec3::ZERO {
+                    terms.push(Term::new(a, b, (c * factor as f64).extend(0.0)));
+                }
+            }
+        }
+        Separable::polynomial(u, v, Core::Terms(terms), origin)
+    }
+}
+
+/// The functionals `(i, j)` that belong to a corner: position, tangent along u, tangent along v, twist.
+fn corner_pairs(u: usize, v: usize) -> [(usize, usize); 4] {
+    let (value, derivative) = ([0, 3], [1, 2]);
+    [
+        (value[u], value[v]),
+        (derivative[u], value[v]),
+        (value[u], derivative[v]),
+        (derivative[u], derivative[v]),
+    ]
+}
