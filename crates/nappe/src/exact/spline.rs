@@ -15,6 +15,13 @@ pub(crate) const SAME_KNOT: f64 = 4.0 * f64::EPSILON;
 /// Some homogeneous points that are averaged together.
 pub(crate) type Row = Vec<DVec4>;
 
+/// `a` at `lo` and `b` at `hi`, interpolated linearly at `t`. Both factors are quotients of differences: where `t` is
+/// near an end, `1 - s` would lose the digits of the smaller, which counts if its weight is large.
+fn between(a: &Row, b: &Row, [lo, hi]: [f64; 2], t: f64) -> Row {
+    let (l, r) = ((hi - t) / (hi - lo), (t - lo) / (hi - lo));
+    a.iter().zip(b).map(|(a, b)| *a * l + *b * r).collect()
+}
+
 /// `(1 - s) a + s b`.
 fn mix(a: &Row, b: &Row, s: f64) -> Row {
     a.iter()
@@ -59,8 +66,8 @@ impl Spline {
         let m = self.multiplicity(t);
         let new: Vec<Row> = (k + 1 - p..=k - m)
             .map(|i| {
-                let s = (t - self.knots[i]) / (self.knots[i + p] - self.knots[i]);
-                mix(&self.rows[i - 1], &self.rows[i], s)
+                let ends = [self.knots[i], self.knots[i + p]];
+                between(&self.rows[i - 1], &self.rows[i], ends, t)
             })
             .collect();
         self.rows.splice(k + 1 - p..k - m, new);
@@ -291,9 +298,8 @@ fn polar(piece: &[Row], range: Interval, arguments: &[f64]) -> Row {
         .iter()
         .filter(|&&x| x != range.lo && x != range.hi)
     {
-        let s = (x - range.lo) / (range.hi - range.lo);
         for k in 0..d.len() - 1 {
-            d[k] = mix(&d[k], &d[k + 1], s);
+            d[k] = between(&d[k], &d[k + 1], [range.lo, range.hi], x);
         }
         d.pop();
     }
