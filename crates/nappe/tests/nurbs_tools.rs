@@ -174,12 +174,12 @@ proptest! {
         let (a, b) = (a.unwrap(), b.unwrap());
         // Knots that differ by rounding become one, which moves points where the curve is very steep.
         let narrow = |c: &NurbsCurve| c.breaks().windows(2).any(|w| w[1].at - w[0].at < 1e-3);
-        prop_assume!(!narrow(&a) && !narrow(&b));
         // Knots apart by rounding only may be too many together: then an error says so.
         if let Ok(c) = compatible(&[a.clone(), b.clone()]) {
             prop_assert_eq!(c[0].knots(), c[1].knots());
             prop_assert_eq!(c[0].degree(), a.degree().max(b.degree()));
-            prop_assert!(apart(&a, &c[0]) < 1e-12 && apart(&b, &c[1]) < 1e-12);
+            let moved = apart(&a, &c[0]).max(apart(&b, &c[1]));
+            prop_assert!(narrow(&a) || narrow(&b) || moved < 1e-12);
         }
     }
 }

@@ -270,13 +270,17 @@ pub(crate) fn join(breaks: &[Break], degree: usize, pieces: &[Vec<Row>]) -> Spli
     let rows = (0..knots.len() - p - 1)
         .map(|i| {
             let arguments = &knots[i + 1..=i + p];
-            // Any piece in the support gives the point by its polar form. From the widest one rounding errors grow
-            // least: a narrow piece beside a wide one would be continued far beyond its ends.
+            // Any piece in the support gives the point by its polar form. The one that has to be continued least
+            // beyond its ends is taken: each argument outside multiplies rounding errors by |1 - s| + |s|.
+            let growth = |k: &usize| -> f64 {
+                let r = breaks.piece(*k);
+                let outside = |x: f64| (r.lo - x).max(x - r.hi).max(0.0) / (r.hi - r.lo);
+                arguments.iter().map(|&x| 1.0 + 2.0 * outside(x)).product()
+            };
             let first = breaks.find(knots[i], Limit::Above);
             let last = breaks.find(knots[i + p + 1], Limit::Below);
-            let width = |k: &usize| breaks.piece(*k).width();
             let piece = (first..=last)
-                .max_by(|a, b| width(a).total_cmp(&width(b)))
+                .min_by(|a, b| growth(a).total_cmp(&growth(b)))
                 .unwrap_or(first);
             polar(&pieces[piece], breaks.piece(piece), arguments)
         })

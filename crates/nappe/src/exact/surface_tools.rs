@@ -10,7 +10,7 @@ use crate::basis::{BSplineBasis, Functions};
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
 use crate::surface::{Dir, Surface};
-use glam::{DAffine3, DVec4, Vec4Swizzles};
+use glam::{DAffine3, DVec3, DVec4, Vec4Swizzles};
 use smallvec::SmallVec;
 
 impl NurbsSurface {
@@ -170,7 +170,15 @@ impl NurbsSurface {
 
     /// For each control point along `along`, the `k`-th derivatives (k up to `order`) of the net line that crosses
     /// it, at the parameter `at` of the other direction.
-    fn contracted(&self, along: Dir, at: f64, limit: Limit, order: usize) -> Vec<Vec<DVec4>> {
+    /// Points are measured from `origin`.
+    fn contracted(
+        &self,
+        along: Dir,
+        at: f64,
+        limit: Limit,
+        order: usize,
+        origin: DVec3,
+    ) -> Vec<Vec<DVec4>> {
         let across = match along {
             Dir::U => self.basis_v(),
             Dir::V => self.basis_u(),
@@ -184,7 +192,9 @@ impl NurbsSurface {
                 let weights = &b[k * n..][..n];
                 let sum = |row: &Row| {
                     let points = row[active.clone()].iter().zip(weights);
-                    points.map(|(p, w)| *p * *w).sum()
+                    points
+                        .map(|(p, w)| (p.xyz() - origin * p.w).extend(p.w) * *w)
+                        .sum()
                 };
                 self.to_spline(along).rows.iter().map(sum).collect()
             })
@@ -194,7 +204,9 @@ impl NurbsSurface {
     /// The isoparametric curve that runs along `along` with the other parameter held at `at`: the net contracted with
     /// one basis, exactly. `limit` decides where the surface has a break at `at`.
     pub fn isocurve(&self, along: Dir, at: f64, limit: Limit) -> NurbsCurve {
-        let points = self.contracted(along, at, limit, 0).swap_remove(0);
+        let points = self
+            .contracted(along, at, limit, 0, DVec3::ZERO)
+            .swap_remove(0);
         NurbsCurve::from_homogeneous(self.basis(along).clone(), points)
     }
 
@@ -208,7 +220,9 @@ impl NurbsSurface {
         at: f64,
         limit: Limit,
     ) -> Result<NurbsCurve, NurbsError> {
-        let mut rows = self.contracted(along, at, limit, 1).into_iter();
+        // The surface's own origin: the derivative is then that of its jets to the last digits, also far away.
+        let origin = super::nurbs_curve::middle(self.homogeneous());
+        let mut rows = self.contracted(along, at, limit, 1, origin).into_iter();
         let (point, slope) = (
             rows.next().unwrap_or_default(),
             rows.next().unwrap_or_default(),
@@ -219,7 +233,7 @@ impl NurbsSurface {
             let points = slope.iter().map(|p| (p.xyz() / w).extend(1.0)).collect();
             return Ok(NurbsCurve::from_homogeneous(basis.clone(), points));
         }
-        // ∂r = (w ∂R - ∂w R) / w², with R measured from a point near the curve: no cancellation far from the origin.
+        // ∂r = (w ∂R - ∂w R) / w², with R measured from a point near the curve: less cancellation.
         check_degree(basis.degree(), 2 * basis.degree())?;
         let origin = super::nurbs_curve::middle(&point);
         let local = |p: DVec4| (p.xyz() - origin * p.w).extend(p.w);
