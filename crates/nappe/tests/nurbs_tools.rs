@@ -108,7 +108,8 @@ proptest! {
             prop_assert_eq!(more.knots().len(), c.knots().len() + 1);
             // What was inserted can be removed again, and the curve is as before.
             let less = more.without_knot(t, 1e-9);
-            if s > 0.01 && s < 0.99 && !c.is_rational() {
+            // Beside a near knot removal divides by their distance, and may not be sure.
+            if c.knots().iter().all(|k| (k - t).abs() > 1e-2) && !c.is_rational() {
                 let less = less.unwrap();
                 prop_assert!(apart(&c, &less) <= 1e-9);
                 prop_assert_eq!(less.knots().len(), c.knots().len());

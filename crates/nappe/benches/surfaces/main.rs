@@ -22,7 +22,11 @@ fn best(runs: usize, n: usize, mut f: impl FnMut()) -> f64 {
         f();
         start.elapsed().as_secs_f64()
     };
-    (0..runs).map(|_| once(&mut f)).fold(f64::INFINITY, f64::min) * 1e9 / n as f64
+    (0..runs)
+        .map(|_| once(&mut f))
+        .fold(f64::INFINITY, f64::min)
+        * 1e9
+        / n as f64
 }
 
 struct Row {
@@ -41,7 +45,9 @@ fn measure(kind: &'static str, surface: &SurfaceRef, side: usize, runs: usize) -
     let vs: Vec<f64> = (0..side).map(|i| at(dv, i)).collect();
     let n = side * side;
     let mut out = vec![DVec3::ZERO; n];
-    let limit = best(runs + 2, n, || black_box(&mut out).fill(black_box(DVec3::ONE)));
+    let limit = best(runs + 2, n, || {
+        black_box(&mut out).fill(black_box(DVec3::ONE))
+    });
     let grid = best(runs, n, || surface.grid(&us, &vs, black_box(&mut out)));
     let plain_grid = best(runs, n, || {
         for (row, &u) in out.chunks_exact_mut(side).zip(&us) {
@@ -52,7 +58,9 @@ fn measure(kind: &'static str, surface: &SurfaceRef, side: usize, runs: usize) -
         black_box(&mut out);
     });
     let mut random = Random(42);
-    let uv: Vec<[f64; 2]> = (0..n).map(|_| [random.within(du), random.within(dv)]).collect();
+    let uv: Vec<[f64; 2]> = (0..n)
+        .map(|_| [random.within(du), random.within(dv)])
+        .collect();
     let list = best(runs, n, || surface.points(&uv, black_box(&mut out)));
     let plain_list = best(runs, n, || {
         for (o, &uv) in out.iter_mut().zip(&uv) {
@@ -70,8 +78,19 @@ fn measure(kind: &'static str, surface: &SurfaceRef, side: usize, runs: usize) -
     });
     // The plain loop beside a mesh: as many single points as it has triangles.
     let points = uv.iter().cycle().take(triangles);
-    let plain_mesh = best(runs, triangles, || points.clone().for_each(|&uv| drop(black_box(surface.point(uv)))));
-    let row = |task, n, ns, plain| Row { task, kind, n, ns, plain, limit };
+    let plain_mesh = best(runs, triangles, || {
+        points
+            .clone()
+            .for_each(|&uv| drop(black_box(surface.point(uv))))
+    });
+    let row = |task, n, ns, plain| Row {
+        task,
+        kind,
+        n,
+        ns,
+        plain,
+        limit,
+    };
     vec![
         row("grid", n, grid, plain_grid),
         row("list", n, list, plain_list),
@@ -80,13 +99,25 @@ fn measure(kind: &'static str, surface: &SurfaceRef, side: usize, runs: usize) -
 }
 
 fn main() {
-    let args: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let args: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|a| a != "--bench")
+        .collect();
     let quick = args.iter().any(|a| a == "--quick");
-    let json_file = args.iter().position(|a| a == "--json").map(|i| args.get(i + 1).expect("--json FILE").clone());
-    let names: Vec<&String> = args.iter().filter(|a| !a.starts_with("--") && Some(*a) != json_file.as_ref()).collect();
+    let json_file = args
+        .iter()
+        .position(|a| a == "--json")
+        .map(|i| args.get(i + 1).expect("--json FILE").clone());
+    let names: Vec<&String> = args
+        .iter()
+        .filter(|a| !a.starts_with("--") && Some(*a) != json_file.as_ref())
+        .collect();
     let (side, runs) = if quick { (60, 2) } else { (400, 5) };
     let mut json = json_file.map(|f| std::io::BufWriter::new(std::fs::File::create(f).unwrap()));
-    println!("{:6} {:24} {:>9} {:>9} {:>9} {:>9} {:>9}", "task", "kind", "n", "ns/item", "plain", "×plain", "×limit");
+    println!(
+        "{:6} {:24} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "task", "kind", "n", "ns/item", "plain", "×plain", "×limit"
+    );
     for (kind, surface) in cases::all() {
         if !(names.is_empty() || names.iter().any(|n| kind.contains(n.as_str()))) {
             continue;
