@@ -6,6 +6,7 @@ pub mod exact;
 pub mod expr;
 pub mod laws;
 pub mod maps;
+pub mod measure;
 pub mod mesh;
 pub mod scalar;
 pub mod series;

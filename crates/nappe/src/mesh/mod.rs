@@ -24,7 +24,7 @@ mod layout;
 mod lines;
 mod options;
 mod patch;
-mod shared;
+pub(crate) mod shared;
 mod stitch;
 mod zip;
 

@@ -19,16 +19,16 @@ const STEPS: usize = 40;
 
 /// A side as a curve: its parameter is the one that runs along it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Edge<'a> {
-    pub(super) surface: &'a dyn Surface,
-    pub(super) side: Side,
-    pub(super) range: Interval,
+pub(crate) struct Edge<'a> {
+    pub(crate) surface: &'a dyn Surface,
+    pub(crate) side: Side,
+    pub(crate) range: Interval,
     /// The constant parameter.
-    pub(super) at: f64,
+    pub(crate) at: f64,
 }
 
 impl<'a> Edge<'a> {
-    pub(super) fn new(surface: &'a dyn Surface, side: Side) -> Self {
+    pub(crate) fn new(surface: &'a dyn Surface, side: Side) -> Self {
         let domain = surface.domain();
         let across = domain[index(side.across())];
         Self {
@@ -55,18 +55,18 @@ impl<'a> Edge<'a> {
         }
     }
 
-    pub(super) fn uv(&self, t: f64) -> [f64; 2] {
+    pub(crate) fn uv(&self, t: f64) -> [f64; 2] {
         match self.side.along() {
             Dir::U => [t, self.at],
             Dir::V => [self.at, t],
         }
     }
 
-    pub(super) fn point(&self, t: f64) -> DVec3 {
+    pub(crate) fn point(&self, t: f64) -> DVec3 {
         self.surface.point(self.uv(t))
     }
 
-    fn sample(&self, k: usize, of: usize) -> f64 {
+    pub(crate) fn sample(&self, k: usize, of: usize) -> f64 {
         if k == of {
             self.range.hi
         } else {
@@ -122,7 +122,7 @@ impl<'a> Edge<'a> {
     }
 
     /// True if the whole side (sampled) lies within `weld` of one point.
-    pub(super) fn is_collapsed(&self, weld: f64) -> bool {
+    pub(crate) fn is_collapsed(&self, weld: f64) -> bool {
         let p = self.point(self.range.mid());
         (0..=GUESSES).all(|k| self.point(self.sample(k, GUESSES)).distance(p) <= 0.5 * weld)
     }
@@ -130,7 +130,7 @@ impl<'a> Edge<'a> {
 
 /// The correspondence between the parameters of two sides that match.
 #[derive(Clone, Debug)]
-pub(super) struct Map {
+pub(crate) struct Map {
     /// Increasing parameters of the leading side and their partners, increasing or decreasing.
     table: Vec<[f64; 2]>,
     /// True if the parameters correspond linearly.
@@ -138,12 +138,17 @@ pub(super) struct Map {
 }
 
 impl Map {
-    pub(super) fn is_reversed(&self) -> bool {
+    /// True if the parameters correspond linearly.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.linear
+    }
+
+    pub(crate) fn is_reversed(&self) -> bool {
         self.table[0][1] > self.table[self.table.len() - 1][1]
     }
 
     /// The partner of a parameter `t` of side `from` (0 or 1) on the other side, whose curve is `on`; `p` is the point.
-    pub(super) fn partner(&self, from: usize, t: f64, p: DVec3, on: &Edge) -> f64 {
+    pub(crate) fn partner(&self, from: usize, t: f64, p: DVec3, on: &Edge) -> f64 {
         let to = 1 - from;
         let last = self.table.len() - 1;
         let flip = from == 1 && self.is_reversed();
@@ -168,7 +173,7 @@ impl Map {
 }
 
 /// The correspondence of side `b` to side `a`, if they match within `weld`.
-pub(super) fn matching(a: &Edge, b: &Edge, weld: f64) -> Option<Map> {
+pub(crate) fn matching(a: &Edge, b: &Edge, weld: f64) -> Option<Map> {
     let ends = |e: &Edge| [e.point(e.range.lo), e.point(e.range.hi)];
     let (p, q) = (ends(a), ends(b));
     [false, true]
