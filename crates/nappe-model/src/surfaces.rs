@@ -278,6 +278,10 @@ impl Builder<'_> {
             RevolutionError::OnAxis { .. } => ("profile", "leave out the part on the axis"),
             RevolutionError::Point { .. } => ("profile", "use a profile of some length"),
             RevolutionError::NotFinite { .. } => ("profile", "use a profile with finite points"),
+            RevolutionError::Coons(_) => (
+                "construction",
+                "use the construction \"angle\", which needs no sectors",
+            ),
         };
         self.refuse(o, (key, &[]), e, help)
     }
