@@ -189,3 +189,14 @@ fn collapsed_surfaces_are_refused_and_poles_are_not() {
     let e = check_not_collapsed(&hermite(&flat).unwrap()).unwrap_err();
     assert!(matches!(e, CollapsedError::Curve { .. }));
 }
+
+#[test]
+fn a_hundred_thousand_boxes_hold_their_samples() {
+    let user = functions(&["exp(-t)", "t", "1+sin(3*t)^2"]);
+    let trigonometric: FunctionsRef = Arc::new(Trigonometric::new(1.3).unwrap());
+    let points = net(5, 12, 4, 1.0, DVec3::ZERO);
+    let mut random = Random(8);
+    let weights: Vec<f64> = (0..12).map(|_| 0.5 + random.unit()).collect();
+    let s = rational(user, trigonometric, &points, Some(&weights)).unwrap();
+    laws::surface_with(&s, 100_000);
+}
