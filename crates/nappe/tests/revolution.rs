@@ -8,7 +8,7 @@ use nappe::exact::NurbsCurve;
 use nappe::expr::Expr;
 use nappe::laws;
 use nappe::surface::{
-    Construction, Revolution, RevolutionError, RevolutionOptions, Surface, jet_index,
+    Construction, Elementary, Revolution, RevolutionError, RevolutionOptions, Surface, jet_index,
 };
 use nappe::{DVec3, Frame};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
@@ -391,6 +391,30 @@ fn crossing_profiles_are_refused_and_touching_ones_are_not() {
     let passing = expression("2*t-1", "0.01", "t");
     let s = revolve(&passing, Frame::WORLD, RevolutionOptions::default());
     assert!(s.pinches().is_empty() && s.poles() == [false; 2]);
+}
+
+#[test]
+fn planes_and_cylinders_are_recognised() {
+    let axis = Frame::along(v(1.0, 2.0, 3.0), v(1.0, 1.0, 1.0)).unwrap();
+    let about = |a: DVec3, b: DVec3| {
+        let profile = bezier(&[axis.point(a), axis.point(b)], None);
+        revolve(&profile, axis, RevolutionOptions::default()).elementary()
+    };
+    let wall = |z| about(v(2.0, 0.5, 0.0), v(2.0, 0.5, z));
+    for (z, side) in [(1.0, false), (-1.0, true)] {
+        let Some(Elementary::Cylinder {
+            radius, outward, ..
+        }) = wall(z)
+        else {
+            panic!("a cylinder")
+        };
+        assert!((radius - 4.25f64.sqrt()).abs() < 1e-14 && outward == side);
+    }
+    let Some(Elementary::Plane { normal, .. }) = about(v(1.0, 0.0, 0.7), v(3.0, 0.0, 0.7)) else {
+        panic!("a plane")
+    };
+    assert!((normal - axis.z()).length() < 1e-13);
+    assert_eq!(about(v(1.0, 0.0, 0.0), v(1.0 + 1e-9, 0.0, 1.0)), None);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use super::axis_contact::{self, Contact};
 use super::sectors::Sectors;
 use super::turned::{net, turned};
-use super::{CoonsError, Dir, Separable, Surface, SurfaceRef};
+use super::{CoonsError, Dir, Elementary, Separable, Surface, SurfaceRef, elementary};
 use crate::basis::{Framed, Turn};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit};
@@ -11,13 +11,17 @@ use crate::curve::CurveRef;
 use crate::exact::{ConicArcs, NurbsCurve, NurbsSurface};
 use crate::frame::Frame;
 use crate::interval::Interval;
-use glam::{DVec3, DVec4, Vec4Swizzles};
+use glam::{DVec3, DVec4, Vec3Swizzles, Vec4Swizzles};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 use thiserror::Error;
 
 /// Relative excess over a whole turn, or distance from a whole number of quarter turns, taken as rounding.
 const ANGLE_ROUNDING: f64 = 1e-12;
+
+/// Relative to the radius: a profile whose control points stray no further from a line parallel to the axis makes a
+/// cylinder. Larger would make fillets at slightly conical walls wrong by as much.
+const SAME_LINE: f64 = 1e-13;
 
 /// What can be wrong with a surface of revolution.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -425,5 +429,34 @@ impl Surface for Revolution {
         let profile: CurveRef = Arc::new(self.profile.to_rational()?);
         let options = with_arcs(&self.options);
         by_arcs(&profile, &self.axis, &options, self.poles).to_nurbs()
+    }
+
+    /// A plane if the profile is straight and square to the axis, a cylinder if it is parallel to it.
+    fn elementary(&self) -> Option<Elementary> {
+        if let Some(plane) = elementary::plane_of(&self.to_rational()?) {
+            return Some(plane);
+        }
+        if matches!(self.options.construction, Construction::Conic { .. }) {
+            return None;
+        }
+        let points = in_frame(&self.profile.to_rational()?, &self.axis, [false; 2]);
+        let at = |p: &DVec4| p.xyz() / p.w;
+        let (first, radius) = (at(&points[0]), at(&points[0]).xy().length());
+        let straight = points
+            .iter()
+            .all(|p| (at(p).xy() - first.xy()).length() <= SAME_LINE * radius);
+        let domain = self.domain();
+        let middle = domain.map(Interval::mid);
+        let jet = self.jet(middle, Default::default(), 1);
+        let outwards = jet.point()
+            - self
+                .axis
+                .point(DVec3::Z * self.axis.coordinates(jet.point()).z);
+        straight.then_some(())?;
+        Some(Elementary::Cylinder {
+            axis: self.axis,
+            radius,
+            outward: jet.normal()?.dot(outwards) > 0.0,
+        })
     }
 }
