@@ -2,13 +2,14 @@
 
 #![allow(clippy::unwrap_used)]
 
-use nappe::exact::NurbsSurface;
+use nappe::exact::{NurbsCurve, NurbsSurface};
 use nappe::laws;
 use nappe::measure::{Continuity, JumpOptions, Smoothness, continuity, regularity};
-use nappe::mesh::Certainty;
-use nappe::surface::{Side, Surface};
-use nappe::{DMat3, DVec3};
+use nappe::mesh::{Certainty, joints};
+use nappe::surface::{Revolution, RevolutionOptions, Side, Surface, SurfaceRef};
+use nappe::{DMat3, DVec3, Frame};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 const SCALES: [f64; 3] = [1e-6, 1.0, 1e6];
 
@@ -307,4 +308,39 @@ fn folds_and_degenerate_points_are_told_apart() {
         r.regular && r.collapsed.is_empty() && r.least > 0.5,
         "{r:?}"
     );
+}
+
+/// The seam of a full turn joins smoothly, up to the poles at both ends of the profile; where it is found by matching.
+#[test]
+fn the_seam_of_a_full_turn_is_smooth() {
+    let profile = NurbsCurve::bezier(
+        &[
+            v(0.0, 0.0, 0.0),
+            v(2.0, 0.0, 0.0),
+            v(1.0, 0.0, 2.0),
+            v(0.0, 0.0, 2.0),
+        ],
+        None,
+    )
+    .unwrap();
+    let axis = Frame::along(DVec3::ZERO, DVec3::Z).unwrap();
+    let turned = Revolution::new(Arc::new(profile), axis, RevolutionOptions::default()).unwrap();
+    let surfaces: Vec<SurfaceRef> = vec![Arc::new(turned)];
+    let found = joints(&surfaces, 1e-9).joints;
+    assert_eq!(found.len(), 1, "{found:?}");
+    let side = |(i, s): (usize, Side)| (surfaces[i].as_ref(), s);
+    let c = continuity(
+        side(found[0].first),
+        side(found[0].second),
+        1e-9,
+        &JumpOptions::default(),
+    )
+    .unwrap();
+    assert!(bounded(c.gap.greatest) < 1e-12, "{:?}", c.gap);
+    assert!(bounded(c.angle.greatest) < 1e-8, "{:?}", c.angle);
+    assert!(c.curvature.found < 1e-9, "{:?}", c.curvature);
+    assert!(c.same_orientation);
+    let r = regularity(surfaces[0].as_ref(), &JumpOptions::default());
+    assert_eq!(r.collapsed.len(), 2);
+    assert!(r.regular, "{r:?}");
 }
