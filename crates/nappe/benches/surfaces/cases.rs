@@ -5,8 +5,8 @@ use nappe::curve::CurveRef;
 use nappe::exact::{NurbsCurve, NurbsSurface};
 use nappe::surface::{
     Construction, Contour, Coons, CoonsOptions, DiagonalKey, DiagonalKeyOptions, Dir, Fillet,
-    Quadric, QuadricOptions, QuadricShape, Revolution, RevolutionOptions, SurfaceRef, Torus,
-    TorusOptions, bilinear, biquadratic, ruled,
+    Quadric, QuadricOptions, QuadricShape, Radius, Revolution, RevolutionOptions, SurfaceRef,
+    Torus, TorusOptions, bilinear, biquadratic, ruled,
 };
 use nappe::{DVec3, Frame};
 use serde_json::Value;
@@ -94,7 +94,7 @@ pub fn all() -> Vec<(&'static str, SurfaceRef)> {
             construction,
             ..RevolutionOptions::default()
         };
-        Arc::new(Revolution::new(profile.clone(), Frame::default(), options).unwrap())
+        Arc::new(Revolution::new(profile.clone(), Frame::WORLD, options).unwrap())
     };
     let (o, x, y, z) = (DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z);
     let plane = |corners| -> SurfaceRef { Arc::new(bilinear(corners).unwrap()) };
@@ -102,9 +102,8 @@ pub fn all() -> Vec<(&'static str, SurfaceRef)> {
     let quadric = |shape: QuadricShape, axes: &[f64]| -> SurfaceRef {
         Arc::new(Quadric::new(shape, axes, QuadricOptions::default()).unwrap())
     };
-    let nine: Vec<DVec3> = (0..9)
-        .map(|i| DVec3::new((i / 3) as f64, (i % 3) as f64, ((i * i) % 5) as f64 * 0.2))
-        .collect();
+    let nine = [0.0, 1.0, 2.0]
+        .map(|x| [0.0, 1.0, 2.0].map(|y| DVec3::new(x, y, (3.0 * x * x + y) % 2.5 * 0.2)));
     let contour = Contour::new(south.clone(), north.clone(), west.clone(), east.clone()).unwrap();
     let bezier: Vec<DVec3> = (0..16)
         .map(|i| DVec3::new((i / 4) as f64, (i % 4) as f64, ((i * 7) % 5) as f64 * 0.3))
@@ -117,7 +116,7 @@ pub fn all() -> Vec<(&'static str, SurfaceRef)> {
         ),
         (
             "biquadratic",
-            Arc::new(biquadratic(nine.try_into().unwrap(), 0.7, 0.8).unwrap()),
+            Arc::new(biquadratic(&nine, 0.7, 0.8).unwrap()),
         ),
         ("nurbs bicubic 20x20", surface("bicubic")),
         ("nurbs rational torus", surface("torus")),
@@ -145,7 +144,15 @@ pub fn all() -> Vec<(&'static str, SurfaceRef)> {
         ),
         (
             "fillet",
-            Arc::new(Fillet::between(&floor, &wall, 0.2).unwrap()),
+            Arc::new(
+                Fillet::new(
+                    floor.as_ref(),
+                    wall.as_ref(),
+                    Radius::Constant(0.2),
+                    FilletOptions::default(),
+                )
+                .unwrap(),
+            ),
         ),
         (
             "diagonal-key",
