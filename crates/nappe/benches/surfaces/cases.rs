@@ -5,8 +5,8 @@ use nappe::curve::CurveRef;
 use nappe::exact::{NurbsCurve, NurbsSurface};
 use nappe::surface::{
     Construction, Contour, Coons, CoonsOptions, DiagonalKey, DiagonalKeyOptions, Dir, Fillet,
-    Quadric, QuadricOptions, QuadricShape, Radius, Revolution, RevolutionOptions, SurfaceRef,
-    Torus, TorusOptions, bilinear, biquadratic, ruled,
+    FilletOptions, Quadric, QuadricOptions, QuadricShape, Radius, Revolution, RevolutionOptions,
+    SurfaceRef, Torus, TorusOptions, bilinear, biquadratic, ruled,
 };
 use nappe::{DVec3, Frame};
 use serde_json::Value;
@@ -69,7 +69,7 @@ fn surface(name: &str) -> SurfaceRef {
 }
 
 /// Every case with the name of its kind.
-pub fn all() -> Vec<(&'static str, SurfaceRef)> {
+pub(crate) fn all() -> Vec<(&'static str, SurfaceRef)> {
     let coons = input("coons");
     let [south, north, west, east] = ["c0_v0", "c1_v1", "d0_u0", "d1_u1"].map(|k| curve(&coons[k]));
     let boundary = |blend| -> SurfaceRef {
