@@ -22,7 +22,7 @@ pub fn schema() -> String {
         json!({
             "type": "object",
             "description": what,
-            "propertyNames": { "pattern": "^[\\p{L}\\p{N}_-]+$" },
+            "propertyNames": { "pattern": "^[^\\s./]+$" },
             "additionalProperties": { "$ref": format!("#/$defs/{kind}") }
         })
     };

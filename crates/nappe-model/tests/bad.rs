@@ -334,6 +334,13 @@ const ROWS: &[Row] = &[
         &["surface `s`", "parallel"],
         "angle",
     ),
+    // A ball so large that rounding hides whether it fits: refused at once.
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[-30,0,0],[-30,30,0]],[[30,-30,0],[30,30,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'cylinder'\nsemi_axes = [8]\n[surfaces.s]\nkind = 'fillet'\nbetween = ['a', 'b']\nradius = 1e9",
+        (12, 10),
+        &["surface `s`", "radius 1000000000"],
+        "smaller",
+    ),
     // Quadrics and tori.
     (
         "[surfaces.s]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1, 2]",
