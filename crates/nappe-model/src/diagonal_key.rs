@@ -14,18 +14,35 @@ impl Builder<'_> {
     pub(crate) fn diagonal_key(&mut self, o: &Object) -> Built<Vec<Patch>> {
         let f = &o.fields;
         let boundary = self.boundary(o);
-        let tangents = [
-            self.tangent(o, "tangent_west"),
-            self.tangent(o, "tangent_east"),
+        let exchange = f.text("generators") == Some("west-east");
+        let across = [
+            ["tangent_west", "tangent_east"],
+            ["tangent_south", "tangent_north"],
         ];
+        let [guides, generators] = if exchange {
+            [across[1], across[0]]
+        } else {
+            across
+        };
+        if let Some(key) = generators.into_iter().find(|k| f.get(k).is_some()) {
+            let message = format!(
+                "`{key}` is on a generator; only the tangents along the guides can be prescribed"
+            );
+            let help = format!(
+                "write `{}` or `{}`, or change `generators`",
+                guides[0], guides[1]
+            );
+            return Err(self.refuse(o, (key, &[]), message, help));
+        }
+        let tangents = guides.map(|k| self.tangent(o, k));
         let free = self.free(o);
         let [south, north, west, east] = boundary?.map(on_unit_domain);
-        let [west_tangent, east_tangent] = tangents;
+        let [first, second] = tangents;
         let options = DiagonalKeyOptions {
-            exchange: false,
+            exchange,
             plane_axes: pair(f.list("plane_axes")),
             free: free?,
-            tangents: [west_tangent?, east_tangent?],
+            tangents: [first?, second?],
             blend: None,
         };
         let contour =
@@ -95,8 +112,8 @@ impl Builder<'_> {
             "p" => "p",
             "q" => "q",
             "g1" | "g2" => "free",
-            "south" => "south",
-            "north" => "north",
+            "south" => given(&["tangent_south", "south"]),
+            "north" => given(&["tangent_north", "north"]),
             "west" => given(&["tangent_west", "west"]),
             "east" => given(&["tangent_east", "east"]),
             _ => "",
@@ -133,10 +150,11 @@ impl Builder<'_> {
                 (named(name), "give functions that are finite on [0, 1]")
             }
             DiagonalKeyError::Tangent { side, .. } => {
-                let key = if *side == Side::West {
-                    "tangent_west"
-                } else {
-                    "tangent_east"
+                let key = match side {
+                    Side::South => "tangent_south",
+                    Side::North => "tangent_north",
+                    Side::West => "tangent_west",
+                    Side::East => "tangent_east",
                 };
                 (
                     key,
@@ -144,7 +162,12 @@ impl Builder<'_> {
                 )
             }
             DiagonalKeyError::Singular { .. } => (
-                given(&["tangent_east", "tangent_west"]),
+                given(&[
+                    "tangent_east",
+                    "tangent_west",
+                    "tangent_north",
+                    "tangent_south",
+                ]),
                 "prescribe one side only, or write kind = \"coons\"",
             ),
             DiagonalKeyError::FreeAndTangents => (

@@ -297,6 +297,12 @@ const ROWS: &[Row] = &[
         &["surface `s`", "p(0) is 1"],
         "v*(1 - v)",
     ),
+    (
+        "[surfaces.s]\nkind = 'diagonal-key'\nsouth = { kind = 'line', from = [0,0,0], to = [0,1,0] }\nnorth = { kind = 'line', from = [1,0,0], to = [1,2,1] }\nwest = { kind = 'line', from = [0,0,0], to = [1,0,0] }\neast = { kind = 'line', from = [0,1,0], to = [1,2,1] }\ngenerators = 'west-east'\ntangent_west = { kind = 'line', from = [0,1,0], to = [0,1,0] }",
+        (9, 16),
+        &["surface `s`", "`tangent_west` is on a generator"],
+        "`tangent_south`",
+    ),
     // Rational surfaces and fillets.
     (
         "[surfaces.s]\nkind = 'rational'\nbasis_u = ['1-t', 't']\nbasis_v = ['1-2*t', 't']\npoints = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]",

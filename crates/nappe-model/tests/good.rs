@@ -373,6 +373,12 @@ const SURFACES: &[SurfaceRow] = &[
     ),
     (
         "diagonal-key",
+        // The same contour with generators and guides exchanged.
+        "south = 'flat.south'\nnorth = 'flat.north'\nwest = 'flat.west'\neast = 'flat.east'\ngenerators = 'west-east'",
+        &[([0.5, 0.25], [1.5, 0.5, 0.0])],
+    ),
+    (
+        "diagonal-key",
         "south = { kind = 'line', from = [0, 0, 0], to = [0, 1, 0] }\nnorth = { kind = 'line', from = [1, 0, 0], to = [1, 2, 0] }\nwest = { kind = 'line', from = [0, 0, 0], to = [1, 0, 0] }\neast = { kind = 'line', from = [0, 1, 0], to = [1, 2, 0] }\nq = '4*v*(1-v)'",
         // Straight generators: the free part vanishes on their common direction d11.
         &[([0.5, 0.5], [0.5, 0.75, 0.0])],

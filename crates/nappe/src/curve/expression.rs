@@ -128,6 +128,18 @@ mod tests {
         laws::curve(&curve("1e-6*t", "1e-6*sinh(t)", "1e-6*t^2.5", [0.5, 1.0]));
     }
 
+    /// Values, breaks, powers and inverse functions together, on 10⁵ random intervals.
+    #[test]
+    fn enclosures_hold_on_many_intervals() {
+        let c = curve(
+            "abs(t-0.3) + t^2.5",
+            "atan2(t-0.5, 0.2)*asin(t/2)",
+            "max(t^2, 0.25)/(1+t)",
+            [0.1, 1.0],
+        );
+        laws::curve_with(&c, 100_000);
+    }
+
     #[test]
     fn a_coordinate_without_value_is_named() {
         let e = ExpressionCurve::new([bound("t"), bound("1/(t-0.5)"), bound("0")], [0.0, 1.0])

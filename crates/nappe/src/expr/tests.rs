@@ -121,6 +121,20 @@ fn errors_say_where_and_what() {
 }
 
 #[test]
+fn the_deepest_expression_allowed_is_evaluated() {
+    let deep = |n: usize| format!("{}t{}", "sin(".repeat(n), ")".repeat(n));
+    let most = (1..MAX_DEPTH)
+        .rev()
+        .find(|&n| Expr::parse(&deep(n)).is_ok())
+        .unwrap();
+    assert!(most > MAX_DEPTH - 3);
+    let b = bound(&deep(most));
+    assert!(b.derivatives(&[0.5], Some(0), 8).is_ok());
+    let enclosed = b.series(&[Series::variable(Interval::UNIT, 8)], 8).unwrap();
+    assert!(enclosed.c[0].contains(b.value(&[0.5]).unwrap()));
+}
+
+#[test]
 fn values_that_do_not_exist_are_located() {
     let e = bound("2 + 1/(t-0.5)").value(&[0.5]).unwrap_err();
     assert_eq!(e.to_string(), "division by zero at t = 0.5 in `1/(t-0.5)`");
