@@ -1,10 +1,22 @@
-//! Measurements with proven bounds: continuity along shared sides, and where a surface is regular.
+//! Numbers of surfaces: curvature, area, volume, extent, continuity along shared sides, regularity. Each says how far it
+//! may be from the truth.
 
 mod along;
+mod area;
 mod continuity;
+mod curvature;
+mod extent;
+mod integral;
 mod jump;
 mod regularity;
+mod search;
+mod taylor;
 
+pub use area::{VolumeError, area, volume};
 pub use continuity::{Continuity, SideOf, Smoothness, continuity};
+pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes};
+pub use extent::{Extent, extent};
+pub use integral::{IntegralOptions, Measured};
 pub use jump::{Jump, JumpOptions};
 pub use regularity::{Regularity, regularity};
+pub use search::{Extreme, SearchOptions};

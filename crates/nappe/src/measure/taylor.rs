@@ -1,0 +1,190 @@
+//! Truncated Taylor polynomials in two variables with enclosed coefficients: what an integrand is computed in.
+
+use crate::box3::Box3;
+use crate::interval::Interval;
+use crate::surface::{jet_index, jet_len};
+
+/// `Σ c_ij du^i dv^j` for `i + j <= degree`, placed by [`jet_index`].
+#[derive(Clone, Debug)]
+pub(super) struct Taylor {
+    pub(super) degree: usize,
+    pub(super) c: Vec<Interval>,
+}
+
+impl Taylor {
+    fn zero(degree: usize) -> Self {
+        Self {
+            degree,
+            c: vec![Interval::ZERO; jet_len(degree)],
+        }
+    }
+
+    /// One coordinate of `∂ᵃ_u ∂ᵇ_v r`, from a jet of order `degree + a + b` at least.
+    pub(super) fn coordinate(jet: &[Box3], axis: usize, [a, b]: [usize; 2], degree: usize) -> Self {
+        let mut t = Self::zero(degree);
+        let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
+        for n in 0..=degree {
+            for j in 0..=n {
+                let i = n - j;
+                let d = jet[jet_index(i + a, j + b)].to_array()[axis];
+                t.c[jet_index(i, j)] = d / Interval::point(factorial(i) * factorial(j));
+            }
+        }
+        t
+    }
+
+    /// The three coordinates of `∂ᵃ_u ∂ᵇ_v r`.
+    pub(super) fn vector(jet: &[Box3], d: [usize; 2], degree: usize) -> [Self; 3] {
+        [0, 1, 2].map(|axis| Self::coordinate(jet, axis, d, degree))
+    }
+
+    pub(super) fn dot(a: &[Self; 3], b: &[Self; 3]) -> Self {
+        a[0].mul(&b[0]).add(&a[1].mul(&b[1])).add(&a[2].mul(&b[2]))
+    }
+
+    pub(super) fn cross(a: &[Self; 3], b: &[Self; 3]) -> [Self; 3] {
+        [0, 1, 2].map(|k| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            a[i].mul(&b[j]).sub(&a[j].mul(&b[i]))
+        })
+    }
+
+    /// `|a|²`, a sum of squares.
+    pub(super) fn square(a: &[Self; 3]) -> Self {
+        a[0].sqr().add(&a[1].sqr()).add(&a[2].sqr())
+    }
+
+    pub(super) fn add(&self, o: &Self) -> Self {
+        let c = self.c.iter().zip(&o.c).map(|(&a, &b)| a + b).collect();
+        Self { c, ..*self }
+    }
+
+    pub(super) fn sub(&self, o: &Self) -> Self {
+        let c = self.c.iter().zip(&o.c).map(|(&a, &b)| a - b).collect();
+        Self { c, ..*self }
+    }
+
+    pub(super) fn scale(&self, x: Interval) -> Self {
+        let c = self.c.iter().map(|&a| a * x).collect();
+        Self { c, ..*self }
+    }
+
+    pub(super) fn mul(&self, o: &Self) -> Self {
+        let mut t = Self::zero(self.degree);
+        t.each(|i, j, t| {
+            let mut s = Interval::ZERO;
+            for p in 0..=i {
+                for q in 0..=j {
+                    s = s + self.c[jet_index(p, q)] * o.c[jet_index(i - p, j - q)];
+                }
+            }
+            t[jet_index(i, j)] = s;
+        });
+        t
+    }
+
+    /// `f²`, whose value is never negative.
+    pub(super) fn sqr(&self) -> Self {
+        let mut t = self.mul(self);
+        t.c[0] = self.c[0].sqr();
+        t
+    }
+
+    /// `f / g` by `g_00 q_ij = f_ij - Σ' g_pq q_{i-p,j-q}`. Nothing finite where g may vanish.
+    pub(super) fn div(&self, o: &Self) -> Self {
+        let mut t = Self::zero(self.degree);
+        t.each(|i, j, t| {
+            let mut s = self.c[jet_index(i, j)];
+            for p in 0..=i {
+                for q in 0..=j {
+                    if (p, q) != (0, 0) {
+                        s = s - o.c[jet_index(p, q)] * t[jet_index(i - p, j - q)];
+                    }
+                }
+            }
+            t[jet_index(i, j)] = s / o.c[0];
+        });
+        t
+    }
+
+    /// `√f` by `2 f_00 s_ij = f_ij - Σ' s_pq s_{i-p,j-q}`. Nothing finite where f may vanish.
+    pub(super) fn sqrt(&self) -> Self {
+        let mut t = Self::zero(self.degree);
+        let root = self.c[0].sqrt();
+        t.each(|i, j, t| {
+            if i + j == 0 {
+                t[0] = root;
+                return;
+            }
+            let mut s = self.c[jet_index(i, j)];
+            for p in 0..=i {
+                for q in 0..=j {
+                    if (p, q) != (0, 0) && (p, q) != (i, j) {
+                        s = s - t[jet_index(p, q)] * t[jet_index(i - p, j - q)];
+                    }
+                }
+            }
+            t[jet_index(i, j)] = s / (root + root);
+        });
+        t
+    }
+
+    /// Calls `f(i, j, coefficients)` by increasing degree.
+    fn each(&mut self, mut f: impl FnMut(usize, usize, &mut [Interval])) {
+        for n in 0..=self.degree {
+            for j in 0..=n {
+                f(n - j, j, &mut self.c);
+            }
+        }
+    }
+
+    /// The range over a box, whose offsets from its middle are `x` and `y`: `self` holds enclosures over the box, of
+    /// which only the highest degree is used, `at` those in the middle.
+    pub(super) fn range(&self, at: &Self, [x, y]: [Interval; 2]) -> Interval {
+        let mut sum = Interval::ZERO;
+        for n in 0..=self.degree {
+            for j in 0..=n {
+                let k = jet_index(n - j, j);
+                let c = if n < self.degree { at.c[k] } else { self.c[k] };
+                sum = sum + c * x.powi((n - j) as i32) * y.powi(j as i32);
+            }
+        }
+        if sum.is_finite() {
+            sum.meet(self.c[0])
+        } else {
+            self.c[0]
+        }
+    }
+
+    pub(super) fn is_finite(&self) -> bool {
+        self.c.iter().all(|c| c.is_finite())
+    }
+}
+
+/// Makes the enclosures `wide` of a jet over a box narrower by Taylor's formula from those `at` its middle, to
+/// the highest degree there is; `x` and `y` are the offsets from the middle.
+pub(super) fn tighten(wide: &mut [Box3], at: &[Box3], [x, y]: [Interval; 2], order: usize) {
+    let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
+    let powers = |x: Interval| {
+        (0..=order)
+            .map(|k| x.powi(k as i32) / Interval::point(factorial(k)))
+            .collect::<Vec<_>>()
+    };
+    let (px, py) = (powers(x), powers(y));
+    for n in 0..order {
+        for j in 0..=n {
+            let i = n - j;
+            let mut sum = Box3::ZERO;
+            for a in 0..=order - n {
+                for b in 0..=order - n - a {
+                    let k = jet_index(i + a, j + b);
+                    let d = if a + b == order - n { wide[k] } else { at[k] };
+                    sum = sum + d.scale(px[a] * py[b]);
+                }
+            }
+            if sum.is_finite() {
+                wide[jet_index(i, j)] = sum.meet(wide[jet_index(i, j)]);
+            }
+        }
+    }
+}
