@@ -31,6 +31,7 @@ fn main() -> ExitCode {
             screen.diagnostics(&problems);
             ExitCode::from(WRONG)
         }
+        Err(Failure::Verdict) => ExitCode::from(WRONG),
         Err(Failure::Problems(problems)) => {
             for p in &problems {
                 screen.report(p.as_ref());

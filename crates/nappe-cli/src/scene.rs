@@ -2,10 +2,12 @@
 
 use crate::failure::{Failure, Problem};
 use crate::screen::Screen;
-use nappe::Box3;
-use nappe::mesh::{Certainty, Mesh, MeshError, MeshOptions, flatten, mesh};
+use nappe::exact::{ApproximationError, to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
+use nappe::measure::curvature;
+use nappe::mesh::{Mesh, MeshError, MeshOptions, flatten, mesh};
 use nappe::surface::SurfaceRef;
-use nappe_exchange::{Exact, ExactForm, Polyline, Scene, Units};
+use nappe::{Box3, Limit};
+use nappe_exchange::{Exact, ExactForm, Field, Part, Polyline, Scene, Units};
 use nappe_model::{Model, NamedSurface};
 use std::sync::Arc;
 
@@ -37,7 +39,7 @@ pub(crate) fn share_of_size(model: &Model, share: f64) -> f64 {
 }
 
 /// The mesh of everything that the model puts out.
-pub(crate) fn meshed(model: &Model, tolerance: f64, screen: &Screen) -> Result<Mesh, Failure> {
+fn meshed(model: &Model, tolerance: f64, screen: &Screen) -> Result<Mesh, Failure> {
     let surfaces: Vec<&NamedSurface> = model.output().collect();
     let geometry: Vec<SurfaceRef> = surfaces.iter().map(|s| s.surface.clone()).collect();
     let progress = screen.progress("Meshing");
@@ -72,7 +74,7 @@ fn mesh_problem(e: &MeshError, surfaces: &[&NamedSurface]) -> Problem {
 const MOST_POINTS: usize = 1_000_000;
 
 /// The curves that the model puts out, as polylines within the tolerance of the mesh.
-pub(crate) fn polylines(model: &Model, tolerance: f64) -> Result<Vec<Polyline>, Failure> {
+fn polylines(model: &Model, tolerance: f64) -> Result<Vec<Polyline>, Failure> {
     let curves = model.curves.iter().filter(|c| !c.construction_only);
     let flat = curves.map(|c| {
         let flat = flatten(c.curve.as_ref(), tolerance, MOST_POINTS)
@@ -85,37 +87,88 @@ pub(crate) fn polylines(model: &Model, tolerance: f64) -> Result<Vec<Polyline>, 
     flat.collect::<Result<_, Problem>>().map_err(Failure::from)
 }
 
-/// A scene with everything but the mesh: names, units and the exact forms.
-pub(crate) fn outline(model: &Model) -> Scene {
-    let curves = model
-        .curves
-        .iter()
-        .filter(|c| !c.construction_only)
-        .map(|c| Exact {
-            name: c.name.clone(),
-            kind: c.kind.to_owned(),
-            form: c.curve.to_nurbs().map_or(ExactForm::None, ExactForm::Curve),
-            certainty: Certainty::Exact,
-        });
-    let surfaces = model.output().map(|s| Exact {
-        name: s.name.clone(),
-        kind: s.kind.to_owned(),
-        form: s
-            .surface
-            .to_nurbs()
-            .map_or(ExactForm::None, ExactForm::Surface),
-        certainty: Certainty::Exact,
-    });
+/// A scene with the model's title and units, empty.
+pub(crate) fn unmeshed(model: &Model) -> Scene {
     Scene {
         title: Some(model.title.clone()),
         units: units(model),
-        exact: curves.chain(surfaces).collect(),
         ..Scene::default()
     }
 }
 
+/// A scene of the mesh of everything that the model puts out, and of its curves.
+pub(crate) fn scene(model: &Model, tolerance: f64, screen: &Screen) -> Result<Scene, Failure> {
+    let names = model.output().map(|s| s.name.clone());
+    Ok(Scene {
+        mesh: meshed(model, tolerance, screen)?,
+        parts: names.enumerate().map(|(i, n)| Part::new(n, i)).collect(),
+        curves: polylines(model, tolerance)?,
+        ..unmeshed(model)
+    })
+}
+
+/// The NURBS forms of everything that the model puts out: exact where there is one, else within the tolerance.
+pub(crate) fn exact(model: &Model, tolerance: f64) -> Result<Vec<Exact>, Failure> {
+    let refused = |what: &str, name: &str, e: ApproximationError| {
+        Problem::new(format!("the {what} `{name}` has no NURBS form: {e}"))
+    };
+    let mut all = Vec::new();
+    for c in model.curves.iter().filter(|c| !c.construction_only) {
+        let form = to_nurbs_or_approximate_curve(c.curve.as_ref(), tolerance)
+            .map_err(|e| refused("curve", &c.name, e))?;
+        all.push(Exact {
+            name: c.name.clone(),
+            kind: c.kind.to_owned(),
+            form: ExactForm::Curve(form.nurbs),
+            certainty: form.certainty,
+        });
+    }
+    for s in model.output() {
+        let form = to_nurbs_or_approximate(s.surface.as_ref(), tolerance)
+            .map_err(|e| refused("surface", &s.name, e))?;
+        all.push(Exact {
+            name: s.name.clone(),
+            kind: s.kind.to_owned(),
+            form: ExactForm::Surface(form.nurbs),
+            certainty: form.certainty,
+        });
+    }
+    Ok(all)
+}
+
+/// Which curvature of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Bend {
+    Gaussian,
+    Mean,
+}
+
+/// A curvature at each vertex of a mesh of what the model puts out; none at poles.
+pub(crate) fn curvature_field(model: &Model, mesh: &Mesh, which: Bend) -> Field {
+    let unit = units(model).symbol();
+    let (name, unit) = match which {
+        Bend::Gaussian => ("Gaussian curvature", format!("1/{unit}²")),
+        Bend::Mean => ("Mean curvature", format!("1/{unit}")),
+    };
+    let values = model.output().zip(&mesh.patches).map(|(s, patch)| {
+        let at = |uv| {
+            let jet = s.surface.jet(uv, [Limit::Above; 2], 2);
+            curvature(&jet).map_or(f64::NAN, |c| match which {
+                Bend::Gaussian => c.gaussian,
+                Bend::Mean => c.mean,
+            })
+        };
+        patch.vertices.iter().map(|v| at(v.uv)).collect()
+    });
+    Field {
+        name: name.to_owned(),
+        unit,
+        values: values.collect(),
+    }
+}
+
 /// The unit of length, as the writers name it.
-fn units(model: &Model) -> Units {
+pub(crate) fn units(model: &Model) -> Units {
     use nappe_model::Units as Model;
     match model.units {
         Model::Millimetre => Units::Millimetre,

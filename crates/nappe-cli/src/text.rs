@@ -2,28 +2,20 @@
 
 use std::fmt::{self, Write};
 
-/// How a column is aligned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(dead_code)]
-pub(crate) enum Align {
-    Left,
-    Right,
-}
-
 /// A table in plain text: a heading, a rule, rows.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
-    columns: Vec<Align>,
+    columns: usize,
     rows: Vec<Vec<String>>,
     headed: bool,
 }
 
 impl Table {
     /// A table with a heading line.
-    pub(crate) fn headed<const N: usize>(columns: [(&str, Align); N]) -> Table {
+    pub(crate) fn headed<const N: usize>(columns: [&str; N]) -> Table {
         Table {
-            columns: columns.map(|c| c.1).to_vec(),
-            rows: vec![columns.map(|c| c.0.to_owned()).to_vec()],
+            columns: N,
+            rows: vec![columns.map(str::to_owned).to_vec()],
             headed: true,
         }
     }
@@ -31,7 +23,7 @@ impl Table {
     /// A table of names and values, without a heading.
     pub(crate) fn of_facts() -> Table {
         Table {
-            columns: vec![Align::Left, Align::Left],
+            columns: 2,
             rows: Vec::new(),
             headed: false,
         }
@@ -42,7 +34,7 @@ impl Table {
         let cells: Vec<String> = cells.into_iter().map(Into::into).collect();
         assert_eq!(
             cells.len(),
-            self.columns.len(),
+            self.columns,
             "one cell for each column of the table"
         );
         self.rows.push(cells);
@@ -52,19 +44,16 @@ impl Table {
 impl fmt::Display for Table {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let width = |s: &str| s.chars().count();
-        let widths: Vec<usize> = (0..self.columns.len())
+        let widths: Vec<usize> = (0..self.columns)
             .map(|c| self.rows.iter().map(|r| width(&r[c])).max().unwrap_or(0))
             .collect();
         for (i, row) in self.rows.iter().enumerate() {
             let mut line = String::new();
-            for ((cell, &w), &align) in row.iter().zip(&widths).zip(&self.columns) {
+            for (cell, &w) in row.iter().zip(&widths) {
                 if !line.is_empty() {
                     line.push_str("  ");
                 }
-                match align {
-                    Align::Left => write!(line, "{cell:<w$}")?,
-                    Align::Right => write!(line, "{cell:>w$}")?,
-                }
+                write!(line, "{cell:<w$}")?;
             }
             if i > 0 {
                 f.write_char('\n')?;
@@ -194,9 +183,9 @@ mod tests {
 
     #[test]
     fn tables_are_aligned() {
-        let mut t = Table::headed([("name", Align::Left), ("n", Align::Right)]);
+        let mut t = Table::headed(["name", "n"]);
         t.row(["a", "10"]);
         t.row(["bcdef", "7"]);
-        assert_eq!(t.to_string(), "name    n\n─────────\na      10\nbcdef   7");
+        assert_eq!(t.to_string(), "name   n\n─────────\na      10\nbcdef  7");
     }
 }

@@ -2,11 +2,12 @@
 
 use crate::failure::{Failure, Problem};
 use crate::model::ModelArgs;
+use crate::scene::Bend;
 use crate::screen::Screen;
 use crate::text::{self, Table, bound, number};
 use crate::{output, scene};
 use nappe::mesh::Certainty;
-use nappe_exchange::{Format, Part, Progress, Scene, WriteOptions, WriteReport};
+use nappe_exchange::{Format, Progress, Scene, WriteOptions, WriteReport};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -41,13 +42,19 @@ impl Args {
         let start = Instant::now();
         let files = self.files()?;
         let model = self.model.open(screen)?;
-        let mut scene = scene::outline(&model);
-        if files.iter().any(|(_, format)| *format != Format::Json) {
-            let tolerance = scene::tolerance(&model, self.tolerance);
-            scene.mesh = scene::meshed(&model, tolerance, screen)?;
-            scene.curves = scene::polylines(&model, tolerance)?;
-            let names = model.output().map(|s| s.name.clone());
-            scene.parts = names.enumerate().map(|(i, n)| Part::new(n, i)).collect();
+        let tolerance = scene::tolerance(&model, self.tolerance);
+        let mut scene = if files.iter().all(|f| f.1 == Format::Json) {
+            scene::unmeshed(&model)
+        } else {
+            scene::scene(&model, tolerance, screen)?
+        };
+        if files.iter().any(|f| f.1 == Format::Json) {
+            scene.exact = scene::exact(&model, tolerance)?;
+        }
+        if files.iter().any(|f| f.1 == Format::Vtu) {
+            scene.fields = [Bend::Gaussian, Bend::Mean]
+                .map(|which| scene::curvature_field(&model, &scene.mesh, which))
+                .to_vec();
         }
         let mut reports = Vec::new();
         for (path, _) in &files {
@@ -118,7 +125,10 @@ fn table(scene: &Scene, reports: &[WriteReport], start: Instant) -> Table {
         table.row(["title", title]);
     }
     if scene.parts.is_empty() {
-        table.row(["exact objects".to_owned(), text::count(scene.exact.len())]);
+        table.row([
+            "curves and surfaces".to_owned(),
+            text::count(scene.exact.len()),
+        ]);
     } else {
         table.row(["patches".to_owned(), text::count(scene.parts.len())]);
         table.row(["triangles".to_owned(), text::count(scene.triangles())]);

@@ -2,7 +2,7 @@
 
 use crate::failure::{Failure, Problem};
 use crate::screen::Screen;
-use crate::text::{Align, Table};
+use crate::text::Table;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -50,12 +50,15 @@ const EXAMPLES: &[Example] = bundled![
     "bottle",
     "diagonal-key",
     "duct",
+    "fillet-cylinder",
     "fillet-planes",
+    "quadrics",
     "revolution-chashnikov",
     "revolution-conic-sections",
     "revolution-grigoriev",
     "sphere-octants",
     "teapot",
+    "torus",
     "vase",
     "wigley",
     "wing-coons",
@@ -90,7 +93,7 @@ impl Args {
 }
 
 fn list() -> String {
-    let mut table = Table::headed([("name", Align::Left), ("model", Align::Left)]);
+    let mut table = Table::headed(["name", "model"]);
     for e in EXAMPLES {
         table.row([e.name, e.title()]);
     }

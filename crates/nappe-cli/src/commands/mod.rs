@@ -1,9 +1,13 @@
 //! The commands, one to a file: what each takes from the command line, and what it asks of the other crates.
 
 mod build;
+mod check;
 mod completions;
 mod eval;
 mod examples;
+mod info;
+mod render;
+mod report;
 mod schema;
 
 use crate::failure::Failure;
@@ -15,6 +19,9 @@ use clap::Subcommand;
 pub(crate) enum Command {
     Build(build::Args),
     Eval(eval::Args),
+    Info(info::Args),
+    Check(check::Args),
+    Render(render::Args),
     Schema(schema::Args),
     Examples(examples::Args),
     Completions(completions::Args),
@@ -26,6 +33,9 @@ impl Command {
         match self {
             Command::Build(args) => args.run(screen),
             Command::Eval(args) => args.run(screen),
+            Command::Info(args) => args.run(screen),
+            Command::Check(args) => args.run(screen),
+            Command::Render(args) => args.run(screen),
             Command::Schema(args) => args.run(),
             Command::Examples(args) => args.run(screen),
             Command::Completions(args) => args.run(),
@@ -39,5 +49,13 @@ fn length(text: &str) -> Result<f64, String> {
         Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
         Ok(x) => Err(format!("{x} is not a length greater than zero")),
         Err(_) => Err(format!("`{text}` is not a number")),
+    }
+}
+
+/// Reads a finite number.
+fn number(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        _ => Err(format!("`{text}` is not a number")),
     }
 }

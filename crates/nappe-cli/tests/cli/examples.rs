@@ -53,3 +53,22 @@ fn a_slip_is_answered_with_the_near_name() {
         run.stderr
     );
 }
+
+#[test]
+fn every_example_builds_and_passes_its_checks() {
+    let folder = Folder::new();
+    assert_eq!(folder.nappe("examples --write .").code, 0);
+    for name in folder.names() {
+        // Coarse, to be quick: that the model is right does not depend on the tolerance.
+        let run = folder.nappe(&format!("build {name} -o out.stl"));
+        assert_eq!(run.code, 0, "{name}: {}", run.stderr);
+        let run = folder.nappe(&format!("check {name}"));
+        assert_eq!(
+            run.code,
+            0,
+            "{name}: {}{}",
+            run.stderr,
+            String::from_utf8_lossy(&run.stdout)
+        );
+    }
+}

@@ -2,7 +2,12 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod bad_input;
+mod build;
+mod check;
 mod eval;
 mod examples;
 mod help;
+mod info;
+mod render;
 mod run;

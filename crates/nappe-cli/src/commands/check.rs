@@ -1,0 +1,497 @@
+//! `nappe check`.
+
+use super::report::{ReportFormat, certainty_json};
+use crate::failure::Failure;
+use crate::model::ModelArgs;
+use crate::scene;
+use crate::screen::Screen;
+use crate::text::{Table, bound, number};
+use nappe::measure::{
+    Continuity, Jump, JumpOptions, Regularity, Smoothness, continuity, regularity,
+};
+use nappe::mesh::{Certainty, joints};
+use nappe::surface::{Side, SurfaceRef};
+use nappe_model::{Check, CheckTolerance, Model, NamedSurface};
+use serde_json::{Value, json};
+use std::io::{self, Write};
+
+/// Prove the declared checks, and examine every shared side and every surface
+///
+/// The [[checks]] of the model claim how smoothly sides meet. Besides, all sides that surfaces share are found and their
+/// gap, angle and jump of curvature bounded, and every surface is searched for folds and degenerate points. A bound is
+/// proven over the whole side unless it says `estimated`.
+///
+/// It fails (exit code 1) if a declared check is missed or cannot be proven, if sides meet within the tolerance of the
+/// mesh but not closely enough to be joined, or if a surface folds over.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  nappe check duct.nappe.toml
+  nappe check duct.nappe.toml --set lift=0 --format json")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    /// A report for people, or JSON for programs
+    #[arg(long, default_value = "text")]
+    format: ReportFormat,
+}
+
+/// Sides that are farther apart than this share of the tolerance are not joined by the mesh.
+const JOINED: f64 = 0.05;
+/// Tangent planes that differ by less (0.1°) count as smooth where nothing is declared.
+const SMOOTH_ANGLE: f64 = std::f64::consts::PI / 1800.0;
+/// Curvatures that differ by less, relatively, count as the same where nothing is declared.
+const SAME_CURVATURE: f64 = 0.01;
+
+impl Args {
+    pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
+        let model = self.model.open(screen)?;
+        let found = Findings::of(&model, screen);
+        let text = match self.format {
+            ReportFormat::Text => found.text(),
+            ReportFormat::Json => format!("{:#}\n", found.json()),
+        };
+        io::stdout().lock().write_all(text.as_bytes())?;
+        if found.pass() {
+            Ok(())
+        } else {
+            Err(Failure::Verdict)
+        }
+    }
+}
+
+/// What is known of a claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    /// Proven.
+    Holds,
+    /// Sampling found nothing against it, and nothing can be proven.
+    Seems,
+    /// Neither proven nor refuted.
+    Open,
+    /// Refuted.
+    Fails,
+}
+
+impl Verdict {
+    fn of(jump: &Jump, tolerance: f64) -> Verdict {
+        match (jump.within(tolerance), jump.greatest) {
+            (Some(true), _) => Verdict::Holds,
+            (Some(false), _) => Verdict::Fails,
+            (None, Certainty::Estimated(e)) if e <= tolerance => Verdict::Seems,
+            (None, _) => Verdict::Open,
+        }
+    }
+
+    /// The less certain of two claims that must both hold.
+    fn and(self, other: Verdict) -> Verdict {
+        let rank = |v| {
+            [
+                Verdict::Holds,
+                Verdict::Seems,
+                Verdict::Open,
+                Verdict::Fails,
+            ]
+            .iter()
+            .position(|&w| w == v)
+        };
+        if rank(self) >= rank(other) {
+            self
+        } else {
+            other
+        }
+    }
+
+    fn passes(self) -> bool {
+        matches!(self, Verdict::Holds | Verdict::Seems)
+    }
+
+    fn mark(self) -> &'static str {
+        if self.passes() { "✓" } else { "✗" }
+    }
+
+    fn word(self) -> &'static str {
+        match self {
+            Verdict::Holds => "proven",
+            Verdict::Seems => "estimated",
+            Verdict::Open => "not proven",
+            Verdict::Fails => "fails",
+        }
+    }
+}
+
+/// A declared check and what is known of it.
+struct Declared<'a> {
+    check: &'a Check,
+    /// `None`: the sides do not meet.
+    joint: Option<Continuity>,
+    verdict: Verdict,
+}
+
+/// A side that two surfaces, or one with itself, have in common.
+struct Shared {
+    sides: [String; 2],
+    joint: Option<Continuity>,
+    /// The greatest distance found while looking for shared sides.
+    gap: f64,
+    verdict: Verdict,
+}
+
+struct Findings<'a> {
+    unit: &'static str,
+    declared: Vec<Declared<'a>>,
+    shared: Vec<Shared>,
+    open: Vec<String>,
+    surfaces: Vec<(&'a NamedSurface, Regularity)>,
+}
+
+impl<'a> Findings<'a> {
+    fn of(model: &'a Model, screen: &Screen) -> Findings<'a> {
+        let tolerance = scene::tolerance(model, None);
+        let named: Vec<&NamedSurface> = model.output().collect();
+        let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
+        let met = joints(&surfaces, tolerance);
+        let progress = screen.progress("Checking");
+        let work = model.checks.len() + met.joints.len() + named.len();
+        let mut done = 0;
+        let mut step = || {
+            done += 1;
+            progress.tell(done as f64 / work as f64);
+        };
+        let declared = model.checks.iter().map(|c| {
+            let d = declared(c, tolerance);
+            step();
+            d
+        });
+        let declared = declared.collect();
+        let name = |(i, side): (usize, Side)| format!("{}.{side}", named[i].name);
+        let mut shared = Vec::new();
+        for j in &met.joints {
+            let of = |(i, side): (usize, Side)| (surfaces[i].as_ref(), side);
+            let joint = continuity(
+                of(j.first),
+                of(j.second),
+                tolerance,
+                &JumpOptions::default(),
+            );
+            let gap = joint.as_ref().map(|c| c.gap);
+            shared.push(Shared {
+                sides: [name(j.first), name(j.second)],
+                verdict: gap.map_or(Verdict::Fails, |g| Verdict::of(&g, JOINED * tolerance)),
+                joint,
+                gap: j.gap,
+            });
+            step();
+        }
+        let mut open = Vec::new();
+        for (s, sides) in named.iter().zip(&met.open) {
+            open.extend(sides.iter().map(|side| format!("{}.{side}", s.name)));
+        }
+        let regular = named.iter().map(|s| {
+            let r = regularity(s.surface.as_ref(), &JumpOptions::default());
+            step();
+            (*s, r)
+        });
+        let surfaces = regular.collect();
+        progress.finish();
+        Findings {
+            unit: model.units.name(),
+            declared,
+            shared,
+            open,
+            surfaces,
+        }
+    }
+
+    fn pass(&self) -> bool {
+        self.failures() == 0
+    }
+
+    fn failures(&self) -> usize {
+        let declared = self.declared.iter().filter(|d| !d.verdict.passes()).count();
+        let shared = self.shared.iter().filter(|s| !s.verdict.passes()).count();
+        let folded = self
+            .surfaces
+            .iter()
+            .filter(|s| !s.1.folds.is_empty())
+            .count();
+        declared + shared + folded
+    }
+
+    fn text(&self) -> String {
+        let mut parts = Vec::new();
+        if !self.declared.is_empty() {
+            parts.push(format!("Declared checks\n\n{}", self.declared_table()));
+        }
+        if !self.shared.is_empty() {
+            parts.push(format!("Shared sides\n\n{}", self.shared_table()));
+        }
+        if !self.open.is_empty() {
+            parts.push(format!("Open sides: {}", self.open.join(", ")));
+        }
+        if !self.surfaces.is_empty() {
+            parts.push(format!("Surfaces\n\n{}", self.surface_table()));
+        }
+        parts.push(match self.failures() {
+            0 => "✓ nothing fails".to_owned(),
+            1 => "✗ 1 failure".to_owned(),
+            n => format!("✗ {n} failures"),
+        });
+        parts.join("\n\n") + "\n"
+    }
+
+    fn declared_table(&self) -> Table {
+        let mut table = Table::headed(["", "sides", "claim", "found", "verdict"]);
+        for d in &self.declared {
+            let found = match &d.joint {
+                None => "the sides do not meet".to_owned(),
+                Some(j) => match d.check.tolerance {
+                    CheckTolerance::Length(_) => format!("gap {}", self.length(&j.gap)),
+                    CheckTolerance::Angle(_) => {
+                        format!("angle {}, gap {}", degrees(&j.angle), self.length(&j.gap))
+                    }
+                    CheckTolerance::Relative(_) => format!(
+                        "curvature {}, angle {}, gap {}",
+                        plain(&j.curvature),
+                        degrees(&j.angle),
+                        self.length(&j.gap)
+                    ),
+                },
+            };
+            table.row([
+                d.verdict.mark().to_owned(),
+                d.sides().join(" – "),
+                format!(
+                    "{} within {}",
+                    d.check.continuity.name(),
+                    self.tolerance(d.check)
+                ),
+                found,
+                d.verdict.word().to_owned(),
+            ]);
+        }
+        table
+    }
+
+    fn shared_table(&self) -> Table {
+        let mut table =
+            Table::headed(["", "sides", "gap", "angle", "curvature jump", "smoothness"]);
+        for s in &self.shared {
+            let [gap, angle, jump, smooth] = match &s.joint {
+                None => [
+                    format!("about {} {}", bound(s.gap, 2), self.unit),
+                    String::new(),
+                    String::new(),
+                    "not joined".to_owned(),
+                ],
+                Some(j) => [
+                    self.length(&j.gap),
+                    degrees(&j.angle),
+                    plain(&j.curvature),
+                    if s.verdict.passes() {
+                        smoothness(j)
+                    } else {
+                        "not joined"
+                    }
+                    .to_owned(),
+                ],
+            };
+            let sides = s.sides.join(" – ");
+            table.row([s.verdict.mark().to_owned(), sides, gap, angle, jump, smooth]);
+        }
+        table
+    }
+
+    fn surface_table(&self) -> Table {
+        let mut table = Table::headed(["", "surface", "tangent plane", "poles"]);
+        for (s, r) in &self.surfaces {
+            let mark = if r.folds.is_empty() { "✓" } else { "✗" };
+            let state = if r.regular {
+                "everywhere, proven".to_owned()
+            } else if !r.folds.is_empty() {
+                format!("folds over at {}", places(&r.folds))
+            } else if !r.degenerate.is_empty() {
+                format!("none, or not proven, at {}", places(&r.degenerate))
+            } else {
+                format!("not proven; the normal is least at {}", places(&[r.at]))
+            };
+            let poles: Vec<&str> = r.collapsed.iter().map(|s| s.name()).collect();
+            table.row([
+                mark,
+                s.name.as_str(),
+                state.as_str(),
+                poles.join(", ").as_str(),
+            ]);
+        }
+        table
+    }
+
+    fn tolerance(&self, check: &Check) -> String {
+        match check.tolerance {
+            CheckTolerance::Length(x) => format!("{} {}", number(x, 4), self.unit),
+            CheckTolerance::Angle(x) => format!("{}°", number(x.to_degrees(), 4)),
+            CheckTolerance::Relative(x) => number(x, 4),
+        }
+    }
+
+    fn length(&self, jump: &Jump) -> String {
+        shown(jump.greatest, 1.0, &format!(" {}", self.unit))
+    }
+
+    fn json(&self) -> Value {
+        let declared: Vec<Value> = self
+            .declared
+            .iter()
+            .map(|d| {
+                let (kind, tolerance) = match d.check.tolerance {
+                    CheckTolerance::Length(x) => ("length", x),
+                    CheckTolerance::Angle(x) => ("angle", x),
+                    CheckTolerance::Relative(x) => ("relative curvature", x),
+                };
+                json!({
+                    "between": d.sides(),
+                    "continuity": d.check.continuity.name(),
+                    "tolerance": { "of": kind, "value": tolerance },
+                    "found": d.joint.as_ref().map(joint_json),
+                    "verdict": d.verdict.word(),
+                    "passes": d.verdict.passes(),
+                })
+            })
+            .collect();
+        let shared: Vec<Value> = self
+            .shared
+            .iter()
+            .map(|s| {
+                json!({
+                    "sides": s.sides,
+                    "found": s.joint.as_ref().map(joint_json),
+                    "sampled_gap": s.gap,
+                    "joined": s.verdict.passes(),
+                })
+            })
+            .collect();
+        let surfaces: Vec<Value> = self
+            .surfaces
+            .iter()
+            .map(|(s, r)| {
+                json!({
+                    "name": s.name,
+                    "regular": r.regular,
+                    "collapsed_sides": r.collapsed.iter().map(|s| s.name()).collect::<Vec<_>>(),
+                    "folds": r.folds,
+                    "degenerate": r.degenerate,
+                })
+            })
+            .collect();
+        json!({
+            "units": self.unit,
+            "angles": "radians",
+            "checks": declared,
+            "shared_sides": shared,
+            "open_sides": self.open,
+            "surfaces": surfaces,
+            "failures": self.failures(),
+        })
+    }
+}
+
+impl Declared<'_> {
+    fn sides(&self) -> [String; 2] {
+        let of = |i: usize| {
+            let s = &self.check.between[i];
+            format!("{}.{}", s.surface, s.side)
+        };
+        [of(0), of(1)]
+    }
+}
+
+/// Examines a declared check. Tangent planes and curvatures are compared only of sides that meet within the tolerance of
+/// the mesh, and curvatures only where tangent planes agree.
+fn declared(check: &Check, tolerance: f64) -> Declared<'_> {
+    let [a, b] = &check.between;
+    // Sides that miss the claim by far are still to be measured, to say by how much.
+    let near = match check.tolerance {
+        CheckTolerance::Length(x) => tolerance.max(2.0 * x),
+        _ => tolerance,
+    };
+    let joint = continuity(
+        (a.geometry.as_ref(), a.side),
+        (b.geometry.as_ref(), b.side),
+        near,
+        &JumpOptions::default(),
+    );
+    let verdict = joint.as_ref().map_or(Verdict::Fails, |j| {
+        let meets = Verdict::of(&j.gap, tolerance);
+        match check.tolerance {
+            CheckTolerance::Length(x) => Verdict::of(&j.gap, x),
+            CheckTolerance::Angle(x) => meets.and(Verdict::of(&j.angle, x)),
+            CheckTolerance::Relative(x) => meets
+                .and(Verdict::of(&j.angle, SMOOTH_ANGLE))
+                .and(Verdict::of(&j.curvature, x)),
+        }
+    });
+    Declared {
+        check,
+        joint,
+        verdict,
+    }
+}
+
+/// How smoothly joined sides meet, by what is proven.
+fn smoothness(j: &Continuity) -> &'static str {
+    match j.proven(f64::INFINITY, SMOOTH_ANGLE, SAME_CURVATURE) {
+        Some(Smoothness::G2) => "G2",
+        Some(Smoothness::G1) => "G1",
+        Some(Smoothness::G0) if j.angle.within(SMOOTH_ANGLE) == Some(false) => "G0, an edge",
+        _ => "G0",
+    }
+}
+
+/// A bound in some unit.
+fn shown(c: Certainty, unit: f64, symbol: &str) -> String {
+    match c {
+        Certainty::Exact => format!("0{symbol}"),
+        Certainty::Bounded(e) | Certainty::Estimated(e) if !e.is_finite() => "unbounded".to_owned(),
+        Certainty::Bounded(e) => format!("≤ {}{symbol}", bound(e * unit, 2)),
+        Certainty::Estimated(e) => format!("{}{symbol} (estimated)", bound(e * unit, 2)),
+    }
+}
+
+fn degrees(jump: &Jump) -> String {
+    shown(jump.greatest, 1f64.to_degrees(), "°")
+}
+
+fn plain(jump: &Jump) -> String {
+    shown(jump.greatest, 1.0, "")
+}
+
+/// Places told in a line; the JSON has all.
+const MOST_PLACES: usize = 3;
+
+fn places(uv: &[[f64; 2]]) -> String {
+    let some = uv.iter().take(MOST_PLACES);
+    let told: Vec<String> = some
+        .map(|[u, v]| format!("u = {}, v = {}", number(*u, 4), number(*v, 4)))
+        .collect();
+    let more = uv.len().saturating_sub(MOST_PLACES);
+    if more > 0 {
+        format!("{} and {more} more places", told.join("; "))
+    } else {
+        told.join("; ")
+    }
+}
+
+fn joint_json(j: &Continuity) -> Value {
+    let jump = |x: &Jump| {
+        json!({
+            "at_most": certainty_json(x.greatest), "found": x.found, "at": x.at, "point": x.point.to_array(),
+        })
+    };
+    json!({
+        "gap": jump(&j.gap),
+        "angle": jump(&j.angle),
+        "relative_curvature_jump": jump(&j.curvature),
+        "same_orientation": j.same_orientation,
+    })
+}

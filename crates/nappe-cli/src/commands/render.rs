@@ -1,0 +1,274 @@
+//! `nappe render`.
+
+use crate::failure::{Failure, Problem};
+use crate::model::ModelArgs;
+use crate::scene::{self, Bend};
+use crate::screen::Screen;
+use crate::{output, text};
+use clap::ValueEnum;
+use nappe::curve::Isocurve;
+use nappe::mesh::flatten;
+use nappe::surface::Dir;
+use nappe::{Breaks, DVec3};
+use nappe_exchange::render::{
+    Background, ColourMap, Line, Net, Paint, Picture, PictureOptions, Projection, View,
+};
+use nappe_exchange::{Format, Progress, Scene};
+use nappe_model::{Model, NamedSurface};
+use std::path::{Path, PathBuf};
+
+/// Draw a model as a picture, without a GPU or a screen
+#[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Examples:
+  nappe render vase.nappe.toml -o vase.png
+  nappe render vase.nappe.toml -o vase.svg --view front --projection parallel --isolines 8
+  nappe render vase.nappe.toml -o bend.png --style curvature-gaussian --size 1200x1200
+  nappe render wing.nappe.toml -o wing.png --style zebra --azimuth 30 --elevation 20")]
+pub(crate) struct Args {
+    #[command(flatten)]
+    model: ModelArgs,
+
+    /// The picture: .png or .svg
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+
+    /// Where it is seen from: iso, front, back, left, right, top, bottom, or azimuth,elevation in degrees
+    #[arg(long, default_value = "iso", allow_hyphen_values = true)]
+    view: View,
+
+    /// Degrees around z, counter-clockwise from above: 0 is the front, 90 the right. In place of the view's
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = super::number)]
+    azimuth: Option<f64>,
+
+    /// Degrees above the horizon. In place of the view's
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, value_parser = super::number)]
+    elevation: Option<f64>,
+
+    /// How depth is shown
+    #[arg(long, default_value = "perspective")]
+    projection: Depth,
+
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1600x1200", value_parser = size)]
+    size: [u32; 2],
+
+    /// How surfaces are coloured
+    #[arg(long, default_value = "shaded")]
+    style: Style,
+
+    /// Lines of constant u and of constant v on each surface, between its sides. Default: 4 if shaded, 9 for wire
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=500))]
+    isolines: Option<u16>,
+
+    /// Draw the control nets
+    #[arg(long)]
+    nets: bool,
+
+    /// Draw the model's curves
+    #[arg(long)]
+    curves: bool,
+
+    /// Leave out the borders of the surfaces
+    #[arg(long)]
+    no_edges: bool,
+
+    /// What is behind
+    #[arg(long, default_value = "light")]
+    background: Behind,
+
+    /// Leave out the title and the axes
+    #[arg(long)]
+    bare: bool,
+
+    /// The greatest distance between the drawn mesh and the surface, in the model's units. Default: too small to be seen
+    #[arg(long, value_name = "LENGTH", value_parser = super::length)]
+    tolerance: Option<f64>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Depth {
+    /// As an eye sees.
+    Perspective,
+    /// Parallel rays.
+    Parallel,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Style {
+    /// Each surface in its colour, with light.
+    Shaded,
+    /// By Gaussian curvature, with a legend.
+    CurvatureGaussian,
+    /// By mean curvature, with a legend.
+    CurvatureMean,
+    /// Stripes as a mirror shows them: they tell where surfaces meet with a kink.
+    Zebra,
+    /// Lines only, hidden ones left out.
+    Wire,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Behind {
+    Light,
+    Dark,
+    Transparent,
+}
+
+/// Pixels that the silhouette of the mesh may be off.
+const PIXEL_SHARE: f64 = 0.25;
+/// Dark stripes over half a turn.
+const STRIPES: u32 = 12;
+
+impl Args {
+    pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
+        let path = &self.output;
+        check(path)?;
+        let model = self.model.open(screen)?;
+        let longest = f64::from(self.size[0].max(self.size[1]));
+        let tolerance = self
+            .tolerance
+            .unwrap_or_else(|| scene::share_of_size(&model, PIXEL_SHARE / longest));
+        let mut scene = scene::scene(&model, tolerance, screen)?;
+        let options = self.options(&model, &mut scene);
+        let mut picture = Picture::new(&scene, options).lines(self.lines(&model, tolerance)?);
+        if self.nets {
+            picture = picture.nets(model.output().filter_map(net));
+        }
+        let progress = screen.progress("Drawing");
+        let tell = |share| progress.tell(share);
+        let report = picture.write(path, Progress::to(&tell));
+        progress.finish();
+        let report = report.map_err(output::refused)?;
+        screen.note(format!(
+            "{}: {} × {} pixels, {}",
+            path.display(),
+            self.size[0],
+            self.size[1],
+            text::bytes(report.bytes)
+        ));
+        for note in report.notes {
+            screen.note(note);
+        }
+        Ok(())
+    }
+
+    fn options(&self, model: &Model, scene: &mut Scene) -> PictureOptions {
+        let mut view = self.view;
+        if let Some(degrees) = self.azimuth {
+            view.azimuth = degrees.to_radians();
+        }
+        if let Some(degrees) = self.elevation {
+            view.elevation = degrees.to_radians();
+        }
+        let paint = match self.style {
+            Style::Shaded => Paint::Parts,
+            Style::Wire if self.background == Behind::Dark => Paint::Plain([0.1, 0.1, 0.12]),
+            Style::Wire => Paint::Plain([1.0; 3]),
+            Style::Zebra => Paint::Zebra { stripes: STRIPES },
+            Style::CurvatureGaussian => curved(model, scene, Bend::Gaussian),
+            Style::CurvatureMean => curved(model, scene, Bend::Mean),
+        };
+        PictureOptions {
+            size: self.size,
+            view,
+            projection: match self.projection {
+                Depth::Perspective => Projection::default(),
+                Depth::Parallel => Projection::Parallel,
+            },
+            paint,
+            background: match self.background {
+                Behind::Light => Background::Light,
+                Behind::Dark => Background::Dark,
+                Behind::Transparent => Background::Transparent,
+            },
+            borders: !self.no_edges,
+            // A model of curves alone is drawn by them.
+            curves: self.curves || scene.parts.is_empty(),
+            title: !self.bare,
+            axes: !self.bare,
+            ..PictureOptions::default()
+        }
+    }
+
+    fn lines(&self, model: &Model, tolerance: f64) -> Result<Vec<Line>, Failure> {
+        let n = self.isolines.unwrap_or(match self.style {
+            Style::Shaded => 4,
+            Style::Wire => 9,
+            _ => 0,
+        });
+        let mut lines = Vec::new();
+        for s in model.output() {
+            for (along, across) in [(Dir::U, Dir::V), (Dir::V, Dir::U)] {
+                let range = s.surface.breaks(across).domain();
+                for k in 1..=n {
+                    let at = range.lo + range.width() * f64::from(k) / f64::from(n + 1);
+                    lines.push(Line::isoline(isoline(s, along, at, tolerance)?));
+                }
+            }
+        }
+        Ok(lines)
+    }
+}
+
+/// Colours by curvature, on a scale of the values themselves.
+fn curved(model: &Model, scene: &mut Scene, which: Bend) -> Paint {
+    scene.fields = vec![scene::curvature_field(model, &scene.mesh, which)];
+    Paint::Field {
+        index: 0,
+        map: ColourMap::default(),
+        range: None,
+    }
+}
+
+/// The most points of a line: enough for any picture.
+const MOST_POINTS: usize = 100_000;
+
+fn isoline(s: &NamedSurface, along: Dir, at: f64, tolerance: f64) -> Result<Vec<DVec3>, Problem> {
+    let refused = |e: &dyn std::fmt::Display| {
+        Problem::new(format!("an isoline of the surface `{}`: {e}", s.name))
+            .help("leave the isolines out with --isolines 0")
+    };
+    let line = Isocurve::new(s.surface.clone(), along, at).map_err(|e| refused(&e))?;
+    let flat = flatten(&line, tolerance, MOST_POINTS).map_err(|e| refused(&e))?;
+    Ok(flat.points)
+}
+
+/// The net that a surface is given by, else that of its exact NURBS form.
+fn net(s: &NamedSurface) -> Option<Net> {
+    if let Some(rows) = &s.control_net {
+        let columns = rows.first()?.len();
+        return Some(Net::new(s.name.as_str(), rows.concat(), columns));
+    }
+    let nurbs = s.surface.to_nurbs()?;
+    Some(Net::new(
+        s.name.as_str(),
+        nurbs.control_points(),
+        nurbs.size()[1],
+    ))
+}
+
+/// Says early what would keep the picture from being written.
+fn check(path: &Path) -> Result<(), Failure> {
+    match Format::from_path(path) {
+        Ok(Format::Png | Format::Svg) => output::check(path),
+        Ok(other) => Err(Problem::new(format!(
+            "{}: {other} is not a format of pictures",
+            path.display()
+        ))
+        .help("pictures are .png or .svg; `nappe build` writes meshes and exact surfaces")
+        .into()),
+        Err(e) => Err(output::refused(e)),
+    }
+}
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || format!("`{text}` is not a size such as 1600x1200");
+    let (w, h) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
+    let pixels = |s: &str| match s.trim().parse::<u32>() {
+        Ok(n) if (16..=16384).contains(&n) => Ok(n),
+        Ok(n) => Err(format!("{n} pixels; a side has from 16 to 16384")),
+        Err(_) => Err(wrong()),
+    };
+    Ok([pixels(w)?, pixels(h)?])
+}

@@ -1,0 +1,233 @@
+//! `nappe build`: every format is written and read back, and files are whole or not there.
+
+use crate::run::Folder;
+use insta::assert_snapshot;
+
+/// A square of side 2 and height 0 or 1: two triangles would do for the floor, the roof is bent.
+const MODEL: &str = r#"title = "Tent"
+units = "cm"
+tolerance = 0.01
+
+[params]
+side = { value = 2, min = 1, max = 9 }
+
+[surfaces.floor]
+kind = "bilinear"
+corners = [[[0, 0, 0], [0, "side", 0]], [["side", 0, 0], ["side", "side", 0]]]
+
+[surfaces.roof]
+kind = "bilinear"
+corners = [[[0, 0, 1], [0, "side", 2]], [["side", 0, 2], ["side", "side", 1]]]
+
+[curves.pole]
+kind = "line"
+from = [0, 0, 0]
+to = [0, 0, 1]
+"#;
+
+/// The table with what differs from run to run masked.
+fn masked(text: &str) -> String {
+    text.lines()
+        .map(|l| match l.strip_prefix("time") {
+            Some(_) => "time  (masked)\n".to_owned(),
+            None => format!("{l}\n"),
+        })
+        .collect()
+}
+
+/// The value of a row of the table.
+fn fact<'a>(table: &'a str, name: &str) -> &'a str {
+    let line = table.lines().find(|l| l.starts_with(name)).unwrap();
+    line[name.len()..].trim()
+}
+
+fn triangles(table: &str) -> usize {
+    fact(table, "triangles").replace(',', "").parse().unwrap()
+}
+
+#[test]
+fn the_default_is_a_glb_beside_the_model() {
+    let folder = Folder::with_model(MODEL);
+    let run = folder.nappe("build model.nappe.toml");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(run.stdout.is_empty());
+    assert_eq!(folder.names(), ["model.glb", "model.nappe.toml"]);
+    assert_snapshot!(masked(&run.stderr));
+    assert_eq!(folder.nappe("-q build model.nappe.toml").stderr, "");
+}
+
+#[test]
+fn every_format_is_written_and_holds_the_mesh() {
+    let folder = Folder::with_model(MODEL);
+    let formats = [
+        "glb", "gltf", "stl", "obj", "ply", "3mf", "vtu", "json", "png", "svg",
+    ];
+    let outputs: String = formats.map(|f| format!(" -o out.{f}")).concat();
+    let run = folder.nappe(&format!("build model.nappe.toml{outputs}"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_eq!(folder.names().len(), 1 + formats.len());
+    let n = triangles(&run.stderr);
+    assert!(n > 4);
+
+    let file = |ending: &str| folder.read(&format!("out.{ending}"));
+    let text = |ending: &str| String::from_utf8(file(ending)).unwrap();
+    // Binary STL: 80 bytes, the count, 50 bytes for each triangle.
+    let stl = file("stl");
+    assert_eq!(
+        u32::from_le_bytes(stl[80..84].try_into().unwrap()) as usize,
+        n
+    );
+    assert_eq!(stl.len(), 84 + 50 * n);
+    assert_eq!(
+        text("obj").lines().filter(|l| l.starts_with("f ")).count(),
+        n
+    );
+    let ply = file("ply");
+    assert!(ply.starts_with(b"ply"));
+    let face = format!("element face {n}\n");
+    assert!(ply.windows(face.len()).any(|w| w == face.as_bytes()));
+    // The curve is a cell too.
+    let vtu = file("vtu");
+    let cells = format!("NumberOfCells=\"{}\"", n + 1);
+    assert!(vtu.windows(cells.len()).any(|w| w == cells.as_bytes()));
+    let gltf: serde_json::Value = serde_json::from_str(&text("gltf")).unwrap();
+    let indices: u64 = gltf["meshes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .flat_map(|m| m["primitives"].as_array().unwrap())
+        .filter(|p| p["mode"].as_u64().unwrap_or(4) == 4)
+        .map(|p| {
+            gltf["accessors"][p["indices"].as_u64().unwrap() as usize]["count"]
+                .as_u64()
+                .unwrap()
+        })
+        .sum();
+    assert_eq!(indices as usize, 3 * n);
+    assert!(file("glb").starts_with(b"glTF"));
+    assert!(file("3mf").starts_with(b"PK"));
+    assert!(file("png").starts_with(b"\x89PNG"));
+    assert!(text("svg").contains("<svg"));
+
+    let json: serde_json::Value = serde_json::from_str(&text("json")).unwrap();
+    let names = |list: &str| -> Vec<String> {
+        let all = json[list].as_array().unwrap();
+        all.iter()
+            .map(|o| o["name"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    assert_eq!(names("surfaces"), ["floor", "roof"]);
+    assert_eq!(names("curves"), ["pole"]);
+    assert_eq!(json["units"], "cm");
+    assert_eq!(
+        json["surfaces"][1]["points"][1][0],
+        serde_json::json!([2.0, 0.0, 2.0])
+    );
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes() {
+    let folder = Folder::with_model(MODEL);
+    for ending in ["glb", "obj", "3mf", "png", "svg", "json"] {
+        assert_eq!(
+            folder
+                .nappe(&format!("build model.nappe.toml -o a.{ending}"))
+                .code,
+            0
+        );
+        assert_eq!(
+            folder
+                .nappe(&format!("build model.nappe.toml -o b.{ending}"))
+                .code,
+            0
+        );
+        let (a, b) = (
+            folder.read(&format!("a.{ending}")),
+            folder.read(&format!("b.{ending}")),
+        );
+        assert!(a == b, ".{ending} differs");
+    }
+}
+
+#[test]
+fn tolerance_and_parameters_are_taken_from_the_command_line() {
+    let folder = Folder::with_model(MODEL);
+    let built = |args: &str| {
+        folder
+            .nappe(&format!("build model.nappe.toml {args}"))
+            .stderr
+    };
+    let (coarse, fine) = (built(""), built("--tolerance 0.0001"));
+    assert!(triangles(&fine) > 10 * triangles(&coarse));
+    let large = built("--set side=4*2");
+    assert!(fact(&large, "box").starts_with("8 × 8 × 2 cm"), "{large}");
+}
+
+#[test]
+fn objects_for_construction_only_are_not_put_out() {
+    let folder = Folder::with_model(&MODEL.replace(
+        "[surfaces.floor]",
+        "[surfaces.floor]\nconstruction_only = true",
+    ));
+    let run = folder.nappe("build model.nappe.toml -o out.json -o out.obj");
+    assert_eq!(fact(&run.stderr, "patches"), "1");
+    for file in ["out.json", "out.obj"] {
+        let text = String::from_utf8(folder.read(file)).unwrap();
+        assert!(text.contains("roof") && !text.contains("floor"), "{file}");
+    }
+}
+
+#[test]
+fn outputs_that_cannot_be_are_told_before_anything_is_built() {
+    // The model is wrong too, but the outputs come first.
+    let folder = Folder::with_model("[surfaces.a]\nkind = 'nothing'\n");
+    let run = folder
+        .nappe("build model.nappe.toml -o out.slt -o out.step -o none/out.glb -o . -o good.glb");
+    assert_snapshot!(run.problem());
+    assert_eq!(folder.names(), ["model.nappe.toml"]);
+    assert_eq!(
+        folder
+            .nappe("build model.nappe.toml -o a.glb -o a.glb")
+            .code,
+        2
+    );
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_may_not_be_written_to_is_told() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = Folder::with_model(MODEL);
+    let locked = folder.path("locked");
+    std::fs::create_dir(&locked).unwrap();
+    std::fs::set_permissions(&locked, std::fs::Permissions::from_mode(0o555)).unwrap();
+    // The superuser may write everywhere: then there is nothing to see.
+    if std::fs::write(locked.join("probe"), "").is_ok() {
+        return;
+    }
+    let run = folder.nappe("build model.nappe.toml -o locked/out.glb");
+    assert!(run.problem().contains("locked/out.glb"), "{}", run.stderr);
+    assert_eq!(std::fs::read_dir(&locked).unwrap().count(), 0);
+}
+
+#[test]
+fn a_model_that_meshes_to_nothing_says_so() {
+    let folder =
+        Folder::with_model("[curves.a]\nkind = 'line'\nfrom = [0, 0, 0]\nto = [1, 0, 0]\n");
+    let run = folder.nappe("build model.nappe.toml");
+    assert!(run.problem().contains("nothing to write"), "{}", run.stderr);
+    assert_eq!(folder.names(), ["model.nappe.toml"]);
+    assert_eq!(folder.nappe("build model.nappe.toml -o a.json").code, 0);
+}
+
+#[test]
+fn a_tolerance_below_rounding_is_refused() {
+    let folder = Folder::with_model(MODEL);
+    let run = folder.nappe("build model.nappe.toml --tolerance 1e-16");
+    assert!(
+        run.problem().contains("below the rounding errors"),
+        "{}",
+        run.stderr
+    );
+    assert_eq!(folder.names(), ["model.nappe.toml"]);
+}

@@ -1,0 +1,97 @@
+//! `nappe check`: verdicts against joints whose gap, angle and curvature are known.
+
+use crate::run::Folder;
+use insta::assert_snapshot;
+use std::f64::consts::FRAC_PI_2;
+
+/// A floor and a wall that meet at a right angle, and a flat continuation of the floor.
+const MODEL: &str = r#"
+tolerance = 0.01
+[surfaces.floor]
+kind = "bilinear"
+corners = [[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0]]]
+[surfaces.wall]
+kind = "bilinear"
+corners = [[[1, 0, 0], [1, 1, 0]], [[1, 0, 1], [1, 1, 1]]]
+[surfaces.yard]
+kind = "bilinear"
+corners = [[[-1, 0, 0], [-1, 1, 0]], [[0, 0, 0], [0, 1, 0]]]
+"#;
+
+fn claim(a: &str, b: &str, continuity: &str, tolerance: &str) -> String {
+    format!(
+        "[[checks]]\nbetween = [\"{a}\", \"{b}\"]\ncontinuity = \"{continuity}\"\ntolerance = {tolerance}\n"
+    )
+}
+
+#[test]
+fn claims_that_hold_pass_and_others_fail() {
+    let right = claim("floor.east", "wall.west", "G0", "1e-9")
+        + &claim("floor.west", "yard.east", "G1", "\"0.01deg\"")
+        + &claim("floor.west", "yard.east", "G2", "0.001");
+    let folder = Folder::with_model(&format!("{MODEL}{right}"));
+    let run = folder.nappe("check model.nappe.toml");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_snapshot!("check-passes", run.data());
+
+    let wrong = claim("floor.east", "wall.west", "G1", "\"45deg\"")
+        + &claim("floor.south", "wall.north", "G0", "0.5");
+    let folder = Folder::with_model(&format!("{MODEL}{wrong}"));
+    let run = folder.nappe("check model.nappe.toml");
+    assert_eq!(run.code, 1);
+    assert_eq!(run.stderr, "");
+    assert_snapshot!("check-fails", String::from_utf8(run.stdout).unwrap());
+}
+
+#[test]
+fn the_numbers_are_those_of_geometry() {
+    let folder = Folder::with_model(&format!(
+        "{MODEL}{}",
+        claim("floor.east", "wall.west", "G1", "\"91deg\"")
+    ));
+    let run = folder.nappe("check model.nappe.toml --format json");
+    let json: serde_json::Value = serde_json::from_str(run.data()).unwrap();
+    let found = &json["checks"][0]["found"];
+    let at_most = |what: &str| found[what]["at_most"]["error"].as_f64().unwrap();
+    assert_eq!(found["angle"]["at_most"]["is"], "bounded");
+    assert!((FRAC_PI_2..FRAC_PI_2 * 1.02).contains(&at_most("angle")));
+    assert!((found["angle"]["found"].as_f64().unwrap() - FRAC_PI_2).abs() < 1e-12);
+    assert!(at_most("gap") < 1e-12);
+    assert_eq!(json["shared_sides"].as_array().unwrap().len(), 2);
+    assert_eq!(json["failures"], 0);
+}
+
+#[test]
+fn a_gap_that_the_mesh_would_not_close_fails() {
+    // The wall is moved by half the tolerance of the mesh.
+    let folder = Folder::with_model(&MODEL.replace(
+        "[1, 0, 0], [1, 1, 0]], [[1, 0, 1]",
+        "[1, 0, 0.005], [1, 1, 0.005]], [[1, 0, 1]",
+    ));
+    let run = folder.nappe("check model.nappe.toml");
+    assert_eq!(run.code, 1);
+    assert!(
+        String::from_utf8(run.stdout)
+            .unwrap()
+            .contains("not joined")
+    );
+}
+
+#[test]
+fn a_surface_that_folds_over_fails() {
+    // The middle row of points lies beyond the last: r_u turns round.
+    let folder = Folder::with_model(
+        r#"
+[surfaces.fold]
+kind = "bezier"
+points = [[[0, 0, 0], [0, 1, 0]], [[3, 0, 0], [3, 1, 0]], [[1, 0, 0], [1, 1, 0]]]
+"#,
+    );
+    let run = folder.nappe("check model.nappe.toml");
+    assert_eq!(run.code, 1);
+    assert!(
+        String::from_utf8(run.stdout)
+            .unwrap()
+            .contains("folds over")
+    );
+}
