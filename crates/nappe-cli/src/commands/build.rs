@@ -40,6 +40,10 @@ pub(crate) struct Args {
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
         let start = Instant::now();
+        if self.model.path().is_dir() {
+            // What is wrong is the model, not the name that a file beside it would have.
+            self.model.open(screen)?;
+        }
         let files = self.files()?;
         let model = self.model.open(screen)?;
         let tolerance = scene::tolerance(&model, self.tolerance);
@@ -92,6 +96,10 @@ impl Args {
                     path.display()
                 )));
             }
+            if let Some(problem) = not_yet(path) {
+                problems.push(problem);
+                continue;
+            }
             match Format::from_path(path)
                 .and_then(|f| nappe_exchange::check_target(path).map(|()| f))
             {
@@ -105,6 +113,23 @@ impl Args {
             Err(problems.into())
         }
     }
+}
+
+/// Formats of exact surfaces that people will ask for and that are not there: to say so is kinder than a near name.
+fn not_yet(path: &Path) -> Option<Problem> {
+    let ending = path.extension()?.to_string_lossy().to_ascii_lowercase();
+    ["step", "stp", "iges", "igs"]
+        .contains(&ending.as_str())
+        .then(|| {
+            Problem::new(format!(
+                "{}: .{ending} files cannot be written yet",
+                path.display()
+            ))
+            .help(format!(
+                ".json holds the exact NURBS; all endings are {}",
+                Format::endings()
+            ))
+        })
 }
 
 /// `a/duct.glb` for `a/duct.nappe.toml`.
