@@ -76,8 +76,17 @@ pub(crate) fn cargo(args: &[&str]) -> Command {
     c
 }
 
+/// Property tests draw the same numbers in every run, so that a failure belongs to a change; another seed in the
+/// environment explores, and `fuzz` does so by intent.
 fn test(rest: &[String]) -> Outcome {
-    run(cargo(&["test", "--workspace", "--no-fail-fast"]).args(rest))
+    const SEED: &str = "PROPTEST_RNG_SEED";
+    let mut command = cargo(&["test", "--workspace", "--no-fail-fast"]);
+    if env::var_os(SEED).is_none() {
+        command.env(SEED, "20261122");
+    }
+    run(command
+        .env("PROPTEST_FAILURE_PERSISTENCE", "off")
+        .args(rest))
 }
 
 fn ci() -> Outcome {
