@@ -45,14 +45,21 @@ struct Example {
 }
 
 const EXAMPLES: &[Example] = bundled![
+    "bezier-rib",
     "bilinear",
     "blade",
     "bottle",
+    "coons-blending",
+    "coons-neighbour",
     "diagonal-key",
+    "diagonal-key-space",
+    "diagonal-key-stitched",
     "duct",
     "fillet-cylinder",
     "fillet-planes",
+    "hermite",
     "quadrics",
+    "rational-basis",
     "revolution-chashnikov",
     "revolution-conic-sections",
     "revolution-grigoriev",
