@@ -144,7 +144,22 @@ pub(crate) fn each_sample(
         let base = at(left);
         let next = at(left + 1);
         let slope = [next[0] - base[0], next[1] - base[1], next[2] - base[2]];
-        for column in left..=right as usize {
+        // Only the columns between the edges: a thin triangle that lies askew has a large box and few samples.
+        let (mut from, mut to) = (0.0f64, right - left as f64);
+        for (b, s) in base.iter().zip(slope) {
+            let crossing = (-EDGE - b) / s;
+            if s > 0.0 {
+                from = from.max(crossing - 1.0);
+            } else if s < 0.0 {
+                to = to.min(crossing + 1.0);
+            } else if *b < -EDGE {
+                to = -1.0;
+            }
+        }
+        if from > to {
+            continue;
+        }
+        for column in left + from.max(0.0) as usize..=left + to as usize {
             let k = (column - left) as f64;
             let b = [
                 base[0] + k * slope[0],
