@@ -1,6 +1,6 @@
 //! Files and pictures of exact surfaces.
 //!
-//! A [`Scene`] is a certified mesh with names, colours, curves and numbers at its vertices. [`write`] puts it into a
+//! A [`Scene`] is a certified mesh with names, colours, curves and numbers at its vertices. [`write()`] puts it into a
 //! file whose ending says the format, whole or not at all, and reports what the file holds:
 //!
 //! | ending | holds |

@@ -17,7 +17,7 @@ use std::io::{self, Write};
 
 /// Prove the declared checks, and examine every shared side and every surface
 ///
-/// The [[checks]] of the model claim how smoothly sides meet. Besides, all sides that surfaces share are found and their
+/// The checks declared in the model claim how smoothly sides meet. Besides, all sides that surfaces share are found and their
 /// gap, angle and jump of curvature bounded, and every surface is searched for folds and degenerate points. A bound is
 /// proven over the whole side unless it says `estimated`.
 ///

@@ -5,7 +5,7 @@
 //! `( )` and calls of the functions in [`FUNCTIONS`]. `if(c, a, b)` is a where c is not zero, else b; only the branch
 //! that is taken is evaluated. Names are `pi`, `tau`, `e`, and whatever [`Expr::bind`] is given.
 //!
-//! One text serves three purposes: numbers with typed errors ([`Bound::value`]), [`Series`](crate::Series) over `f64`
+//! One text serves three purposes: numbers with typed errors ([`Bound::value`]), [`Series`](crate::series::Series) over `f64`
 //! or [`Interval`](crate::Interval) ([`Bound::series`]), and, over a domain, a checked piecewise analytic [`Function`]
 //! whose breaks are found. There are no finite differences.
 //!
