@@ -113,14 +113,14 @@ fn scaled(c: Certainty, factor: f64) -> Certainty {
 }
 
 /// A range of the first side's parameter with the polynomial that gives the second's: `Σ c_k (t - from)ᵏ`.
-struct Cell {
-    t: Interval,
+pub(super) struct Cell {
+    pub(super) t: Interval,
     from: f64,
     c: [f64; 4],
 }
 
 impl Cell {
-    fn series(&self, t: Interval) -> Series<Interval> {
+    pub(super) fn series(&self, t: Interval) -> Series<Interval> {
         let x = Series::variable(t - Interval::point(self.from), ORDER);
         let mut r = Series::constant(Interval::point(self.c[3]), ORDER);
         for k in (0..3).rev() {
@@ -137,10 +137,10 @@ impl Cell {
 }
 
 /// Two sides with the correspondence of their parameters.
-struct Pair<'a> {
+pub(super) struct Pair<'a> {
     a: Along<'a>,
     b: Along<'a>,
-    cells: Vec<Cell>,
+    pub(super) cells: Vec<Cell>,
     /// The sign that turns the second side's `r_t × r_c` to that of the first, if the surface goes on across the edge.
     sign: f64,
     size: f64,
@@ -149,14 +149,14 @@ struct Pair<'a> {
 }
 
 /// Enclosures of a quantity at the centre of expansion and over a part.
-struct Form<T> {
-    at: T,
-    over: T,
-    x: Interval,
+pub(super) struct Form<T> {
+    pub(super) at: T,
+    pub(super) over: T,
+    pub(super) x: Interval,
 }
 
 impl<'a> Pair<'a> {
-    fn new(a: Along<'a>, b: Along<'a>, map: &Map) -> Self {
+    pub(super) fn new(a: Along<'a>, b: Along<'a>, map: &Map) -> Self {
         let inward = |e: &Edge| if e.side.is_upper() { -1.0 } else { 1.0 };
         let sign = inward(&a.edge) * inward(&b.edge) * if map.is_reversed() { 1.0 } else { -1.0 };
         let size = size(&a.edge).max(size(&b.edge));
@@ -206,7 +206,7 @@ impl<'a> Pair<'a> {
         (fields, phi)
     }
 
-    fn is_reversed(&self) -> bool {
+    pub(super) fn is_reversed(&self) -> bool {
         let (first, last) = (&self.cells[0], &self.cells[self.cells.len() - 1]);
         last.value(last.t.hi) < first.value(first.t.lo)
     }
@@ -250,7 +250,7 @@ impl<'a> Pair<'a> {
     }
 
     /// Both sides' vector quantities, as functions of the first side's parameter.
-    fn vectors(
+    pub(super) fn vectors(
         &self,
         t: Interval,
         m: f64,
@@ -353,7 +353,7 @@ fn middle(v: &Vector) -> DVec3 {
     DVec3::new(v[0].c[0].mid(), v[1].c[0].mid(), v[2].c[0].mid())
 }
 
-fn enclose(at: &Vector, over: &Vector, x: Interval, drop: usize) -> Box3 {
+pub(super) fn enclose(at: &Vector, over: &Vector, x: Interval, drop: usize) -> Box3 {
     Box3::from([0, 1, 2].map(|i| {
         let e = taylor(&at[i], &over[i], x, drop);
         if drop == 0 { e.meet(over[i].c[0]) } else { e }

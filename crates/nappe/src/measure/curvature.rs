@@ -1,6 +1,7 @@
 //! Curvature of a surface at a point, and its extremes over a surface.
 
-use super::search::{Extreme, SearchOptions, largest};
+use super::search::{End, Extreme, Quantities, Search, SearchOptions};
+use super::shape::{Shape, ShapeForm};
 use super::taylor::Taylor;
 use crate::box3::Box3;
 use crate::interval::Interval;
@@ -66,54 +67,89 @@ pub fn curvature(jet: &SurfaceJet) -> Option<Curvature> {
     (found.k1.is_finite() && found.k2.is_finite()).then_some(found)
 }
 
-/// `[K, H]` as Taylor polynomials, from a jet two orders higher.
-fn gaussian_and_mean(jet: &[Box3], degree: usize) -> [Taylor; 2] {
-    let vector = |d: [usize; 2]| Taylor::vector(jet, d, degree);
-    let (u, v) = (vector([1, 0]), vector([0, 1]));
-    let n = Taylor::cross(&u, &v);
-    let square = Taylor::square(&n);
-    // The second form times |n|.
-    let [l, m, k] = [[2, 0], [1, 1], [0, 2]].map(|d| Taylor::dot(&n, &vector(d)));
-    let (e, f, g) = (Taylor::square(&u), Taylor::dot(&u, &v), Taylor::square(&v));
-    let two = Interval::point(2.0);
-    let gaussian = l.mul(&k).sub(&m.sqr()).div(&square.sqr());
-    let mean = e
-        .mul(&k)
-        .sub(&f.mul(&m).scale(two))
-        .add(&g.mul(&l))
-        .div(&square.mul(&square.sqrt()).scale(two));
-    [gaussian, mean]
+/// What is looked for over a surface: `[K, H, k1, k2]`.
+struct Curvatures<'a> {
+    surface: &'a dyn Surface,
+    size: f64,
 }
 
-/// What is looked for over a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Quantity {
-    Gaussian,
-    Mean,
-    K1,
-    K2,
-}
+const GAUSSIAN: usize = 0;
+const MEAN: usize = 1;
+const K1: usize = 2;
+const K2: usize = 3;
+/// Curvatures of less than this over the size are compared as if they were this great. Smaller, and the rounding errors
+/// of planes would be searched; larger, and faint curvature would be found coarsely.
+const FLAT: f64 = 1e-6;
 
-impl Quantity {
-    fn value(self, jet: &SurfaceJet) -> Option<f64> {
-        let c = curvature(jet)?;
-        Some(match self {
-            Quantity::Gaussian => c.gaussian,
-            Quantity::Mean => c.mean,
-            Quantity::K1 => c.k1,
-            Quantity::K2 => c.k2,
-        })
-    }
+/// Where a tangent amounts to less than this part of the size no curvature is sampled: it is divided by its square, which
+/// leaves 10 of 16 digits at 10⁻³. Smaller, and rounding beside a pole would pass for curvature; larger, and the samples
+/// would miss what is in a pole.
+const CLEAR: f64 = 1e-3;
 
-    fn enclose(self, jet: &[Box3], degree: usize) -> Taylor {
-        let [k, h] = gaussian_and_mean(jet, degree);
-        match self {
-            Quantity::Gaussian => k,
-            Quantity::Mean => h,
-            Quantity::K1 => h.add(&h.sqr().sub(&k).sqrt()),
-            Quantity::K2 => h.sub(&h.sqr().sub(&k).sqrt()),
+impl Quantities<4> for Curvatures<'_> {
+    const ORDER: usize = 2;
+
+    fn values(&self, jet: &SurfaceJet) -> Option<[f64; 4]> {
+        let domain = self.surface.domain();
+        let short = |d: usize| jet.d[1 + d].length() * domain[d].width() < CLEAR * self.size;
+        if short(0) || short(1) {
+            return None;
         }
+        let c = curvature(jet)?;
+        Some([c.gaussian, c.mean, c.k1, c.k2])
     }
+
+    fn enclose(&self, uv: [Interval; 2]) -> ([Interval; 4], usize) {
+        let form = match ShapeForm::new(self.surface, uv, self.size) {
+            Ok(form) => form,
+            Err(next) => return ([Interval::ENTIRE; 4], next),
+        };
+        let offset = form.offset;
+        let both = |f: &dyn Fn(&Shape) -> Taylor| [f(&form.wide), f(&form.at)];
+        let range = |[wide, at]: [Taylor; 2]| wide.range(&at, offset);
+        let half = Interval::point(0.5);
+        let gaussian = range(both(&|f| f.p.mul(&f.s).sub(&f.q.sqr())));
+        let mean = range(both(&|f| f.p.add(&f.s).scale(half)));
+        let [k1, k2] = principal(&form);
+        let terms: [fn(&Shape) -> &Taylor; 3] = [|f| &f.p, |f| &f.q, |f| &f.s];
+        let weight = terms.map(|t| t(&form.wide).weight(t(&form.at), offset));
+        let sum = |d: usize| weight.iter().map(|w| w[d]).sum::<f64>();
+        let next = usize::from((sum(1) > sum(0)) != form.exchanged);
+        ([gaussian, mean, k1, k2], next)
+    }
+
+    fn unit(&self, quantity: usize, greatest: [f64; 4]) -> f64 {
+        let k = greatest[K1].max(greatest[K2]).max(FLAT / self.size);
+        if quantity == GAUSSIAN { k * k } else { k }
+    }
+}
+
+/// The eigenvalues of `[[p, q], [q, s]]` over a box.
+///
+/// In the basis that is principal at the centre q is small. Then `p ≤ k1 ≤ p + q²/(p - s)` if p > s, as
+/// `(k1 - p)(k1 - s) = q²`; near an umbilic `k1 ≤ max(p, s) + |q|` (Gershgorin). All is linear in p, q, s up to terms of
+/// the second order, so nothing of the Taylor polynomials is lost.
+fn principal(form: &ShapeForm) -> [Interval; 2] {
+    let at = [&form.at.p, &form.at.q, &form.at.s].map(|t| t.c[0].mid());
+    let angle = 0.5 * at[1].atan2(0.5 * (at[0] - at[2]));
+    let [c, s] = [angle.cos(), angle.sin()].map(Interval::point);
+    let (c2, s2, cs) = (c.sqr(), s.sqr(), c * s);
+    // Cosine and sine are rounded: the basis is too long or short by a factor.
+    let one = c2 + s2;
+    let two = Interval::point(2.0);
+    let range = |f: &dyn Fn(&Shape) -> Taylor| f(&form.wide).range(&f(&form.at), form.offset) / one;
+    let p = range(&|f| f.p.scale(c2).add(&f.q.scale(two * cs)).add(&f.s.scale(s2)));
+    let r = range(&|f| f.p.scale(s2).sub(&f.q.scale(two * cs)).add(&f.s.scale(c2)));
+    let q = range(&|f| f.q.scale(c2 - s2).sub(&f.p.sub(&f.s).scale(cs))).abs();
+    let excess = if p.lo > r.hi {
+        let gap = Interval::point(p.lo) - Interval::point(r.hi);
+        (Interval::point(q.hi).sqr() / gap).min(Interval::point(q.hi))
+    } else {
+        Interval::point(q.hi)
+    };
+    let upper = p.max(r) + Interval::new(0.0, excess.hi);
+    let lower = p.min(r) - Interval::new(0.0, excess.hi);
+    [upper, lower]
 }
 
 /// The extremes of a surface's curvature. See [`Curvature`] for the signs.
@@ -133,37 +169,45 @@ pub struct CurvatureExtremes {
 }
 
 /// The extremes of the curvature over a surface with the places where they are; `None` if there is no place with a
-/// normal. They are suprema: where curvature grows without bound nothing is proven and the result is an estimate.
+/// normal. They are suprema.
 ///
-/// Cost: branch and bound, limited by `options.budget` boxes for each of the six numbers.
+/// A side that is shorter than 10⁻¹² of the surface's size counts as one point; if the tangents there lie in one plane,
+/// the bounds hold up to it, with the limits of the curvature there. Where curvature grows without bound (the apex of a
+/// cone) nothing is proven and the result is an estimate.
+///
+/// Cost: branch and bound, limited by `options.budget` boxes for each of the six numbers, which share their boxes.
 pub fn curvature_extremes(
     surface: &dyn Surface,
     options: &SearchOptions,
 ) -> Option<CurvatureExtremes> {
-    let max = |q: Quantity| {
-        largest(
-            surface,
-            2,
-            &|j| q.value(j),
-            &|b, n| q.enclose(b, n),
-            options,
-        )
-    };
-    let min = |q: Quantity| {
-        let minus = Interval::point(-1.0);
-        let bound = |b: &[Box3], n: usize| q.enclose(b, n).scale(minus);
-        let found = largest(surface, 2, &|j| Some(-q.value(j)?), &bound, options)?;
-        Some(Extreme {
-            value: -found.value,
-            ..found
-        })
-    };
-    let (k1, k2) = (max(Quantity::K1)?, min(Quantity::K2)?);
+    let size = size(surface);
+    let curvatures = Curvatures { surface, size };
+    let mut search = Search::new(surface, &curvatures);
+    let mut find = |quantity, end| search.extreme(quantity, end, options);
+    let k1 = find(K1, End::Greatest)?;
+    let k2 = find(K2, End::Least)?;
+    let mut both = |q| Some([find(q, End::Least)?, find(q, End::Greatest)?]);
     Some(CurvatureExtremes {
-        gaussian: [min(Quantity::Gaussian)?, max(Quantity::Gaussian)?],
-        mean: [min(Quantity::Mean)?, max(Quantity::Mean)?],
+        gaussian: both(GAUSSIAN)?,
+        mean: both(MEAN)?,
         k1,
         k2,
         smallest_radius: 1.0 / k1.value.abs().max(k2.value.abs()),
     })
+}
+
+/// The diagonal of a box around the surface, or if nothing is known of it, around points of it.
+fn size(surface: &dyn Surface) -> f64 {
+    let domain = surface.domain();
+    let known = surface.bounds(domain).diagonal();
+    if known.is_finite() {
+        return known;
+    }
+    const POINTS: usize = 8;
+    let at = |d: usize, k: usize| {
+        domain[d].lo + (domain[d].hi - domain[d].lo) * k as f64 / (POINTS - 1) as f64
+    };
+    let points =
+        (0..POINTS * POINTS).map(|k| surface.point([at(0, k / POINTS), at(1, k % POINTS)]));
+    Box3::around(points).map_or(1.0, Box3::diagonal)
 }

@@ -1,11 +1,11 @@
 //! The tight box around a surface.
 
-use super::search::{Extreme, SearchOptions, largest};
-use super::taylor::Taylor;
+use super::search::{End, Quantities, Search, SearchOptions};
+use super::taylor::{Patch, Taylor};
 use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::mesh::Certainty;
-use crate::surface::Surface;
+use crate::surface::{Surface, SurfaceJet};
 
 /// The box around a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,38 +18,58 @@ pub struct Extent {
     pub places: [[[f64; 2]; 2]; 3],
 }
 
+/// The degree of the Taylor polynomials that bound a coordinate: with 4 the error over a box of size h is of order h⁵
+/// beyond the coordinate's own range.
+const DEGREE: usize = 4;
+
+/// The coordinates.
+struct Coordinates<'a> {
+    surface: &'a dyn Surface,
+    size: f64,
+}
+
+impl Quantities<3> for Coordinates<'_> {
+    const ORDER: usize = 0;
+
+    fn values(&self, jet: &SurfaceJet) -> Option<[f64; 3]> {
+        Some(jet.d[0].to_array())
+    }
+
+    fn enclose(&self, uv: [Interval; 2]) -> ([Interval; 3], usize) {
+        let Patch { wide, at, offset } = Patch::new(self.surface, uv, DEGREE);
+        let mut weight = [0.0; 2];
+        let ranges = [0, 1, 2].map(|axis| {
+            let [wide, at] = [&wide, &at].map(|j| Taylor::coordinate(j, axis, [0, 0], DEGREE));
+            let share = wide.weight(&at, offset);
+            weight = [weight[0] + share[0], weight[1] + share[1]];
+            wide.range(&at, offset)
+        });
+        (ranges, usize::from(weight[1] > weight[0]))
+    }
+
+    fn unit(&self, _: usize, _: [f64; 3]) -> f64 {
+        self.size
+    }
+}
+
 /// The box around a surface, with a bound for its error: `options.relative` is relative to the diagonal of a first, loose
 /// box. `None` if no point of the surface is finite.
 pub fn extent(surface: &dyn Surface, options: &SearchOptions) -> Option<Extent> {
-    let middle = surface.point(surface.domain().map(Interval::mid));
     let size = surface.bounds(surface.domain()).diagonal();
-    // The search is relative to the value: coordinates are measured so that extremes are of the box's size.
-    let shift = if size.is_finite() { size } else { 1.0 };
+    let coordinates = Coordinates {
+        surface,
+        size: if size.is_finite() { size } else { 1.0 },
+    };
+    let mut search = Search::new(surface, &coordinates);
     let mut certainty = Certainty::Exact;
     let mut places = [[[0.0; 2]; 2]; 3];
     let mut ends = [Interval::ZERO; 3];
     for axis in 0..3 {
-        let mut found = [0.0; 2];
-        for (k, sign) in [-1.0, 1.0].into_iter().enumerate() {
-            let at = middle.to_array()[axis];
-            let e: Extreme = largest(
-                surface,
-                0,
-                &|jet| Some(sign * (jet.d[0].to_array()[axis] - at) + shift),
-                &|jet, degree| {
-                    let mut x = Taylor::coordinate(jet, axis, [0, 0], degree);
-                    x.c[0] = x.c[0] - Interval::point(at);
-                    let mut x = x.scale(Interval::point(sign));
-                    x.c[0] = x.c[0] + Interval::point(shift);
-                    x
-                },
-                options,
-            )?;
-            places[axis][k] = e.uv;
-            found[k] = surface.point(e.uv).to_array()[axis];
-            certainty = certainty.and(e.certainty);
-        }
-        ends[axis] = Interval::new(found[0], found[1]);
+        let least = search.extreme(axis, End::Least, options)?;
+        let greatest = search.extreme(axis, End::Greatest, options)?;
+        places[axis] = [least.uv, greatest.uv];
+        ends[axis] = Interval::new(least.value, greatest.value);
+        certainty = certainty.and(least.certainty).and(greatest.certainty);
     }
     Some(Extent {
         hull: Box3::from(ends),

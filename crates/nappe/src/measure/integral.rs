@@ -4,19 +4,19 @@
 //! coefficients enclosed over the whole box; both are integrated exactly. The error of a box of size h is of order
 //! `h^(d+3)`. The worst boxes are halved until the sum of errors is small enough.
 
-use super::taylor::{Taylor, tighten};
-use crate::box3::Box3;
+use super::taylor::{Patch, Taylor};
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
 use crate::mesh::Certainty;
-use crate::surface::{Dir, Surface, jet_index, jet_len};
+use crate::surface::{Dir, Surface, jet_index};
+use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// How accurately to integrate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegralOptions {
-    /// The error aimed at, relative to the result (of a volume: to the box around everything).
+    /// The error aimed at, relative to the result.
     pub relative: f64,
     /// The most boxes for each surface. If they do not suffice the certainty says what was reached.
     pub budget: usize,
@@ -25,7 +25,7 @@ pub struct IntegralOptions {
 impl Default for IntegralOptions {
     fn default() -> Self {
         Self {
-            relative: 1e-6,
+            relative: 1e-7,
             budget: 8000,
         }
     }
@@ -41,24 +41,35 @@ pub struct Measured {
 }
 
 /// The degree d. Higher degrees need fewer boxes but each costs more.
-const DEGREE: usize = 6;
-/// Radians. Over a box where the normal turns more, no root or quotient can be expanded.
+const DEGREE: usize = 8;
+/// Radians. Over a box where tangents or normal turn more, no root or quotient can be expanded.
 const TURN: f64 = 1.0;
 /// The order of jets that a degree-d Taylor polynomial of a function of tangents needs.
 const ORDER: usize = DEGREE + 1;
 
-/// The Taylor polynomial of degree [`DEGREE`] of an integrand from enclosures of a jet of order [`ORDER`].
-pub(super) type Integrand<'a> = &'a dyn Fn(&[Box3], usize) -> Taylor;
+/// The Taylor polynomial of degree [`DEGREE`] of an integrand: enclosures over a box and at its centre, from a patch
+/// of order [`ORDER`].
+pub(super) type Integrand<'a> = &'a dyn Fn(&Patch, usize) -> [Taylor; 2];
 
 struct Cell {
+    /// The index of the surface.
+    surface: usize,
     uv: [Interval; 2],
-    limit: [Limit; 2],
     value: Interval,
     error: f64,
+    /// The part of the error that is rounding: halving does not lessen it.
+    rounding: f64,
     /// The direction to halve: where the terms of the highest degree weigh more.
     next: usize,
     /// Breaks ties, and orders the final sum.
     number: usize,
+}
+
+impl Cell {
+    /// What halving can lessen.
+    fn remainder(&self) -> f64 {
+        self.error - self.rounding
+    }
 }
 
 impl PartialEq for Cell {
@@ -74,179 +85,230 @@ impl PartialOrd for Cell {
 }
 impl Ord for Cell {
     fn cmp(&self, o: &Self) -> Ordering {
-        self.error
-            .total_cmp(&o.error)
+        self.remainder()
+            .total_cmp(&o.remainder())
             .then(o.number.cmp(&self.number))
     }
 }
 
-/// `∫ x^n` and `∫ |x|^n` over an interval that contains 0 near its middle.
-fn moments(x: Interval, n: usize) -> [Interval; 2] {
-    let power = |e: f64| Interval::point(e).powi(n as i32 + 1);
-    let over = Interval::point((n + 1) as f64);
-    let (low, high) = (power(x.lo), power(x.hi));
-    let signed = (high - low) / over;
-    let size = if n.is_multiple_of(2) {
-        signed
-    } else {
-        (high + low) / over
-    };
-    [signed, size]
+/// `∫ xⁿ` and `∫ |x|ⁿ` over an interval that contains 0 near its middle, for n up to the degree.
+fn moments(x: Interval) -> [[Interval; 2]; DEGREE + 1] {
+    let (mut low, mut high) = (Interval::point(x.lo), Interval::point(x.hi));
+    std::array::from_fn(|n| {
+        let over = Interval::point((n + 1) as f64);
+        let signed = (high - low) / over;
+        let size = if n.is_multiple_of(2) {
+            signed
+        } else {
+            (high + low) / over
+        };
+        low = low * Interval::point(x.lo);
+        high = high * Interval::point(x.hi);
+        [signed, size]
+    })
 }
 
-fn over_box(
-    surface: &dyn Surface,
-    f: Integrand,
-    uv: [Interval; 2],
-    limit: [Limit; 2],
-) -> (Interval, usize) {
-    let mut jet = vec![Box3::ENTIRE; jet_len(ORDER)];
-    let mut at = jet.clone();
-    surface.enclose_piece(uv, limit, ORDER, &mut jet);
-    let m = uv.map(Interval::mid);
-    surface.enclose_piece(m.map(Interval::point), limit, ORDER, &mut at);
-    tighten(
-        &mut jet,
-        &at,
-        [0, 1].map(|d| uv[d] - Interval::point(m[d])),
-        ORDER,
-    );
-    let wide = f(&jet, DEGREE);
-    let [x, y] = [0, 1].map(|d| uv[d] - Interval::point(m[d]));
-    let whole = [0, 1].map(|d| Interval::point(uv[d].hi) - Interval::point(uv[d].lo));
+/// The integral over a box; of its width, what is rounding; and the direction to halve.
+fn over_box(surface: &dyn Surface, f: Integrand, uv: [Interval; 2]) -> (Interval, f64, usize) {
+    let patch = Patch::new(surface, uv, ORDER);
+    let [wide, narrow] = f(&patch, DEGREE);
+    let whole = uv.map(|t| Interval::point(t.hi) - Interval::point(t.lo));
     let plain = wide.c[0] * whole[0] * whole[1];
-    let wider = usize::from(uv[1].width() > uv[0].width());
     if !wide.is_finite() {
-        return (plain, turning(surface, uv).unwrap_or(wider));
+        return (plain, 0.0, halved(surface, uv));
     }
-    let narrow = f(&at, DEGREE);
+    let (x, y) = (moments(patch.offset[0]), moments(patch.offset[1]));
     // Every degree up to the highest gives an enclosure: lower ones are better over large boxes.
-    let mut best = (plain, wider);
-    for degree in (2..=DEGREE).step_by(2) {
-        let mut sum = Interval::ZERO;
+    let mut best: Option<(Interval, f64, usize)> = None;
+    let mut lower = Interval::ZERO;
+    for n in 0..=DEGREE {
+        let mut highest = Interval::ZERO;
         let mut weight = [0.0; 2];
-        for n in 0..=degree {
-            for j in 0..=n {
-                let i = n - j;
-                let ([mx, ax], [my, ay]) = (moments(x, i), moments(y, j));
-                let k = jet_index(i, j);
-                if n < degree {
-                    sum = sum + narrow.c[k] * mx * my;
-                    continue;
-                }
-                let error = wide.c[k].width() * (ax * ay).hi;
-                weight[0] += error * i as f64;
-                weight[1] += error * j as f64;
-                sum = sum + wide.c[k] * mx * my;
-                if i % 2 == 1 || j % 2 == 1 {
-                    // The monomial changes its sign: half its weight with either sign.
-                    let w = 0.5 * wide.c[k].width();
-                    sum = sum + Interval::new(-w, w) * ax * ay;
-                }
+        let mut same = Interval::ZERO;
+        for j in 0..=n {
+            let i = n - j;
+            let ([mx, ax], [my, ay]) = (x[i], y[j]);
+            let k = jet_index(i, j);
+            same = same + narrow.c[k] * mx * my;
+            highest = highest + wide.c[k] * mx * my;
+            let spread = wide.c[k].width();
+            if i % 2 == 1 || j % 2 == 1 {
+                // The monomial changes its sign: half the spread of its factor with either sign.
+                highest = highest + Interval::new(-0.5 * spread, 0.5 * spread) * ax * ay;
             }
+            let error = spread * (ax * ay).hi;
+            weight[0] += error * i as f64;
+            weight[1] += error * j as f64;
         }
-        if sum.is_finite() && sum.width() < best.0.width() {
-            best = (sum.meet(best.0), usize::from(weight[1] > weight[0]));
+        let sum = lower + highest;
+        if n >= 2
+            && n.is_multiple_of(2)
+            && sum.is_finite()
+            && best.is_none_or(|b| sum.width() < b.0.width())
+        {
+            best = Some((sum, lower.width(), usize::from(weight[1] > weight[0])));
         }
+        lower = lower + same;
     }
-    best
+    match best {
+        Some((sum, rounding, next)) => {
+            let value = sum.meet(plain);
+            (value, rounding.min(value.width()), next)
+        }
+        None => (plain, 0.0, halved(surface, uv)),
+    }
 }
 
-/// The direction along which the normal turns by more than [`TURN`] over the box, if any.
-pub(super) fn turning(surface: &dyn Surface, uv: [Interval; 2]) -> Option<usize> {
-    let turn = [0, 1].map(|d| {
-        let normals = [0.125, 0.375, 0.625, 0.875].map(|t| {
+/// Samples along the middle lines of a box, for the choice of the direction to halve.
+const SAMPLES: [f64; 4] = [0.125, 0.375, 0.625, 0.875];
+
+/// Sums of `f` over steps along the middle line in each direction, for `r_u × r_v`, `r_u` and `r_v`.
+fn along(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    f: impl Fn(DVec3, DVec3) -> f64,
+) -> [[f64; 3]; 2] {
+    [0, 1].map(|d| {
+        let vectors = SAMPLES.map(|t| {
             let mut p = uv.map(Interval::mid);
             p[d] = uv[d].lo + t * (uv[d].hi - uv[d].lo);
-            surface.jet(p, [Limit::Above; 2], 1).normal()
+            let jet = surface.jet(p, [Limit::Above; 2], 1);
+            [jet.d[1].cross(jet.d[2]), jet.d[1], jet.d[2]]
         });
-        let angle = |w: &[Option<glam::DVec3>]| Some(w[0]?.angle_between(w[1]?));
-        normals.windows(2).filter_map(angle).sum::<f64>()
-    });
-    let d = usize::from(turn[1] > turn[0]);
-    (turn[d] > TURN).then_some(d)
+        [0, 1, 2].map(|k| {
+            let steps = vectors.windows(2).map(|w| f(w[0][k], w[1][k]));
+            steps.filter(|x| x.is_finite()).sum()
+        })
+    })
 }
 
-/// The integral over the domain; `enough` says which error is small enough for a value.
+/// The direction along which tangents or normal turn more, and by how much.
+pub(super) fn turning(surface: &dyn Surface, uv: [Interval; 2]) -> (usize, f64) {
+    let turn = along(surface, uv, DVec3::angle_between).map(|a| a.into_iter().fold(0.0, f64::max));
+    let d = usize::from(turn[1] > turn[0]);
+    (d, turn[d])
+}
+
+/// The direction to halve where nothing can be expanded: along which the tangents or the normal turn too much, or else
+/// the length of the normal varies more, as it does towards a pole.
+pub(super) fn halved(surface: &dyn Surface, uv: [Interval; 2]) -> usize {
+    let (d, angle) = turning(surface, uv);
+    if angle > TURN {
+        return d;
+    }
+    let [u, v] = along(surface, uv, |a, b| (a.length() - b.length()).abs()).map(|g| g[0]);
+    if u == v {
+        return usize::from(uv[1].width() > uv[0].width());
+    }
+    usize::from(v > u)
+}
+
+/// Sums over cells.
+#[derive(Clone, Copy, Default)]
+struct Total {
+    value: f64,
+    error: f64,
+    rounding: f64,
+    infinite: usize,
+}
+
+impl Total {
+    fn of(cells: &BinaryHeap<Cell>) -> Self {
+        let mut t = Self::default();
+        cells.iter().for_each(|c| t.add(c, 1.0));
+        t
+    }
+
+    fn add(&mut self, c: &Cell, sign: f64) {
+        if c.error.is_finite() {
+            self.value += sign * c.value.mid();
+            self.error += sign * c.error;
+            self.rounding += sign * c.rounding;
+        } else if sign > 0.0 {
+            self.infinite += 1;
+        } else {
+            self.infinite -= 1;
+        }
+    }
+
+    fn is_enough(&self, relative: f64) -> bool {
+        // Where half of the error is rounding, more boxes are of no use.
+        self.infinite == 0
+            && (self.error <= relative * self.value.abs() || self.error <= 2.0 * self.rounding)
+    }
+}
+
+/// The integral over the domains of all surfaces together: for each its part. The boxes go where the errors are.
 pub(super) fn integrate(
-    surface: &dyn Surface,
+    surfaces: &[&dyn Surface],
     f: Integrand,
-    enough: impl Fn(f64) -> f64,
-    budget: usize,
-) -> Interval {
+    options: &IntegralOptions,
+) -> Vec<Interval> {
     let mut number = 0;
-    let mut cell = |uv: [Interval; 2], limit: [Limit; 2]| {
+    let mut cell = |surface: usize, uv: [Interval; 2]| {
         number += 1;
-        let (value, next) = over_box(surface, f, uv, limit);
+        let (value, rounding, next) = over_box(surfaces[surface], f, uv);
         let error = if value.is_finite() {
             value.width()
         } else {
             f64::INFINITY
         };
         Cell {
+            surface,
             uv,
-            limit,
             value,
             error,
+            rounding,
             next,
             number,
         }
     };
     let mut heap = BinaryHeap::new();
-    let in_v = surface.breaks(Dir::V);
-    let in_u = surface.breaks(Dir::U);
-    for i in 0..in_u.pieces() {
-        for j in 0..in_v.pieces() {
-            heap.push(cell([in_u.piece(i), in_v.piece(j)], [Limit::Above; 2]));
+    for (k, surface) in surfaces.iter().enumerate() {
+        let (bu, bv) = (surface.breaks(Dir::U), surface.breaks(Dir::V));
+        for i in 0..bu.pieces() {
+            for j in 0..bv.pieces() {
+                heap.push(cell(k, [bu.piece(i), bv.piece(j)]));
+            }
         }
     }
     let mut looks = heap.len();
-    let total = |heap: &BinaryHeap<Cell>| {
-        let finite = |c: &&Cell| c.error.is_finite();
-        let error: f64 = heap.iter().filter(finite).map(|c| c.error).sum();
-        let value: f64 = heap.iter().filter(finite).map(|c| c.value.mid()).sum();
-        (value, error, heap.iter().filter(|c| !finite(c)).count())
-    };
-    let (mut value, mut error, mut infinite) = total(&heap);
-    let mut done: Vec<Cell> = Vec::new();
-    while looks < budget && (infinite > 0 || error > enough(value)) {
+    let budget = options.budget.saturating_mul(surfaces.len());
+    let mut total = Total::of(&heap);
+    // The differences of sums of large early errors are not trusted for ever.
+    let mut recount = 2 * looks;
+    while looks < budget {
+        if looks >= recount || total.is_enough(options.relative) {
+            recount = 2 * looks;
+            total = Total::of(&heap);
+            if total.is_enough(options.relative) {
+                break;
+            }
+        }
         let Some(top) = heap.pop() else { break };
         let d = top.next;
         let m = top.uv[d].mid();
         if m <= top.uv[d].lo || m >= top.uv[d].hi {
-            done.push(top);
+            heap.push(top);
             break;
         }
-        let parts = [
-            Interval::new(top.uv[d].lo, m),
-            Interval::new(m, top.uv[d].hi),
-        ];
-        let halves = parts.map(|part| {
+        total.add(&top, -1.0);
+        for (lo, hi) in [(top.uv[d].lo, m), (m, top.uv[d].hi)] {
             let mut uv = top.uv;
-            uv[d] = part;
-            cell(uv, top.limit)
-        });
+            uv[d] = Interval::new(lo, hi);
+            let half = cell(top.surface, uv);
+            total.add(&half, 1.0);
+            heap.push(half);
+        }
         looks += 2;
-        let mut count = |c: &Cell, sign: f64| {
-            if c.error.is_finite() {
-                value += sign * c.value.mid();
-                error += sign * c.error;
-            } else {
-                infinite = if sign > 0.0 {
-                    infinite + 1
-                } else {
-                    infinite - 1
-                };
-            }
-        };
-        count(&top, -1.0);
-        halves.iter().for_each(|h| count(h, 1.0));
-        heap.extend(halves);
     }
     let mut cells = heap.into_vec();
-    cells.extend(done);
     cells.sort_by_key(|c| c.number);
-    cells.iter().fold(Interval::ZERO, |s, c| s + c.value)
+    let mut sums = vec![Interval::ZERO; surfaces.len()];
+    for c in &cells {
+        sums[c.surface] = sums[c.surface] + c.value;
+    }
+    sums
 }
 
 /// Nodes of Gauss's rule with four points on [-1, 1], and their weights.
@@ -260,7 +322,7 @@ const GAUSS: [[f64; 2]; 4] = [
 const COARSE: usize = 8;
 
 /// The integral of a function of the jet of order 1 without proof: the difference of two rules estimates the error.
-pub(super) fn estimate(surface: &dyn Surface, f: &dyn Fn(&[glam::DVec3]) -> f64) -> Measured {
+pub(super) fn estimate(surface: &dyn Surface, f: &dyn Fn(&[DVec3]) -> f64) -> Measured {
     let rule = |n: usize| {
         let mut sum = 0.0;
         let (bu, bv) = (surface.breaks(Dir::U), surface.breaks(Dir::V));

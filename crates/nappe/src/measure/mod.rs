@@ -10,6 +10,8 @@ mod integral;
 mod jump;
 mod regularity;
 mod search;
+mod shape;
+mod strip;
 mod taylor;
 
 pub use area::{VolumeError, area, volume};

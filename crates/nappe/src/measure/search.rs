@@ -1,29 +1,27 @@
-//! The greatest value of a function of a surface's jet, by branch and bound.
+//! The extremes of functions on a surface, by branch and bound.
 
-use super::integral::turning;
-use super::taylor::{Taylor, tighten};
-use crate::box3::Box3;
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
 use crate::mesh::Certainty;
-use crate::surface::{Dir, Surface, SurfaceJet, jet_len};
+use crate::surface::{Dir, Surface, SurfaceJet};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// How hard to look.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SearchOptions {
-    /// The search ends when the proven bound is this close to the value found, relative to the value.
+    /// The search ends when the proven bound is this close to the value found, relative to the value; of curvatures, to
+    /// the greatest principal curvature found (Gaussian curvature: to its square).
     pub relative: f64,
-    /// The most boxes that are looked at. If they do not suffice the certainty says what was reached.
+    /// The most boxes that are looked at for each number. If they do not suffice the certainty says what was reached.
     pub budget: usize,
 }
 
 impl Default for SearchOptions {
     fn default() -> Self {
         Self {
-            relative: 1e-6,
-            budget: 10_000,
+            relative: 1e-4,
+            budget: 4000,
         }
     }
 }
@@ -39,140 +37,254 @@ pub struct Extreme {
     pub certainty: Certainty,
 }
 
-struct Candidate {
-    uv: [Interval; 2],
-    upper: f64,
-    /// The direction to halve.
-    next: usize,
-    /// Breaks ties, for one result whatever the heap does.
-    number: usize,
+/// N functions on a surface.
+pub(super) trait Quantities<const N: usize> {
+    /// The order of the jets that [`Self::values`] needs.
+    const ORDER: usize;
+    /// The values at a place; `None` where there are none.
+    fn values(&self, jet: &SurfaceJet) -> Option<[f64; N]>;
+    /// Enclosures over a box of parameters in one analytic piece, and the direction in which to halve it.
+    fn enclose(&self, uv: [Interval; 2]) -> ([Interval; N], usize);
+    /// What a tolerance for one of them is relative to, from the greatest absolute value of each that was found.
+    fn unit(&self, quantity: usize, greatest: [f64; N]) -> f64;
 }
 
-impl PartialEq for Candidate {
+/// A box of parameters. The searches for all extremes share the boxes.
+struct Node<const N: usize> {
+    uv: [Interval; 2],
+    ranges: [Interval; N],
+    /// The direction to halve.
+    next: usize,
+    /// The number of the first half; the second follows.
+    halves: Option<usize>,
+}
+
+/// An upper bound over a box. Among equal bounds the earlier box is first, for one result whatever the heap does.
+struct Bound {
+    upper: f64,
+    node: usize,
+}
+
+impl PartialEq for Bound {
     fn eq(&self, o: &Self) -> bool {
         self.cmp(o) == Ordering::Equal
     }
 }
-impl Eq for Candidate {}
-impl PartialOrd for Candidate {
+impl Eq for Bound {}
+impl PartialOrd for Bound {
     fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
         Some(self.cmp(o))
     }
 }
-impl Ord for Candidate {
+impl Ord for Bound {
     fn cmp(&self, o: &Self) -> Ordering {
-        self.upper
-            .total_cmp(&o.upper)
-            .then(o.number.cmp(&self.number))
+        self.upper.total_cmp(&o.upper).then(o.node.cmp(&self.node))
     }
 }
 
-/// The value of a function at a place; `None` where it has none.
-pub(super) type Value<'a> = &'a dyn Fn(&SurfaceJet) -> Option<f64>;
-/// The Taylor polynomial of the function, of the given degree, from enclosures of a jet.
-pub(super) type Bound<'a> = &'a dyn Fn(&[Box3], usize) -> Taylor;
+/// Which extreme.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum End {
+    Least,
+    Greatest,
+}
 
-/// The degree of the Taylor polynomials that bound the function: with 2 the error over a box of size h is of order h³
-/// beyond the function's own range.
-const DEGREE: usize = 2;
+impl End {
+    fn sign(self) -> f64 {
+        match self {
+            End::Least => -1.0,
+            End::Greatest => 1.0,
+        }
+    }
+}
 
-/// The largest value of a function of the jet of the given order, searched piece by piece; `None` if the function has no value anywhere it was
-/// looked for.
-pub(super) fn largest(
-    surface: &dyn Surface,
-    order: usize,
-    value: Value,
-    bound: Bound,
-    options: &SearchOptions,
-) -> Option<Extreme> {
-    let mut best: Option<(f64, [f64; 2])> = None;
-    let mut number = 0;
-    let mut look = |uv: [Interval; 2], best: &mut Option<(f64, [f64; 2])>| {
-        number += 1;
-        let m = uv.map(Interval::mid);
-        let total = order + DEGREE;
-        let mut jet = vec![Box3::ENTIRE; jet_len(total)];
-        let mut at = jet.clone();
-        let above = [Limit::Above; 2];
-        surface.enclose_piece(uv, above, total, &mut jet);
-        surface.enclose_piece(m.map(Interval::point), above, total, &mut at);
-        let offset = [0, 1].map(|d| uv[d] - Interval::point(m[d]));
-        tighten(&mut jet, &at, offset, total);
-        let wide = bound(&jet, DEGREE);
-        let upper = wide.range(&bound(&at, DEGREE), offset).hi;
-        // Halved next: where the remainder weighs more, or where the normal turns too much for any remainder.
-        let weight = |k: usize, d: usize| wide.c[k].width() * offset[d].mag().powi(2);
-        let next = if wide.is_finite() {
-            usize::from(weight(5, 1) > weight(3, 0))
-        } else {
-            turning(surface, uv).unwrap_or(usize::from(uv[1].width() > uv[0].width()))
+/// Looks for extremes piece by piece.
+pub(super) struct Search<'a, const N: usize, Q: Quantities<N>> {
+    surface: &'a dyn Surface,
+    quantities: &'a Q,
+    nodes: Vec<Node<N>>,
+    roots: usize,
+    /// The least and greatest values found.
+    found: [Option<[(f64, [f64; 2]); 2]>; N],
+}
+
+/// The first step of a climb, in parts of the domain, and the last, which moves a value by rounding only: it errs by the
+/// square of the step.
+const STEPS: [f64; 2] = [1.0 / 16.0, 1e-8];
+
+/// The most steps of a climb: rounding can go on for ever on level ground.
+const CLIMB: usize = 100;
+
+impl<'a, const N: usize, Q: Quantities<N>> Search<'a, N, Q> {
+    pub(super) fn new(surface: &'a dyn Surface, quantities: &'a Q) -> Self {
+        let mut search = Self {
+            surface,
+            quantities,
+            nodes: Vec::new(),
+            roots: 0,
+            found: [None; N],
         };
-        let ends = |k: usize| [[uv[0].lo, uv[0].hi][k & 1], [uv[1].lo, uv[1].hi][k >> 1]];
+        let (bu, bv) = (surface.breaks(Dir::U), surface.breaks(Dir::V));
+        for i in 0..bu.pieces() {
+            for j in 0..bv.pieces() {
+                search.look([bu.piece(i), bv.piece(j)]);
+            }
+        }
+        search.roots = search.nodes.len();
+        search
+    }
+
+    /// Bounds a box, and takes samples in its corners and its middle.
+    fn look(&mut self, uv: [Interval; 2]) {
+        let (ranges, next) = self.quantities.enclose(uv);
+        let m = uv.map(Interval::mid);
         for k in 0..5 {
-            let p = if k == 4 { m } else { ends(k) };
+            let p = match k {
+                4 => m,
+                _ => [[uv[0].lo, uv[0].hi][k & 1], [uv[1].lo, uv[1].hi][k >> 1]],
+            };
             let limit = [0, 1].map(|d| {
-                if p[d] < m[d] {
+                if p[d] < uv[d].hi {
                     Limit::Above
                 } else {
                     Limit::Below
                 }
             });
-            if let Some(x) = value(&surface.jet(p, limit, order)).filter(|x| x.is_finite())
-                && best.is_none_or(|(b, _)| x > b)
-            {
-                *best = Some((x, p));
+            self.sample(p, limit);
+        }
+        self.nodes.push(Node {
+            uv,
+            ranges,
+            next,
+            halves: None,
+        });
+    }
+
+    fn sample(&mut self, p: [f64; 2], limit: [Limit; 2]) {
+        let jet = self.surface.jet(p, limit, Q::ORDER);
+        let values = self.quantities.values(&jet);
+        for (x, found) in values.into_iter().flatten().zip(&mut self.found) {
+            if !x.is_finite() {
+                continue;
+            }
+            let [least, greatest] = found.get_or_insert([(x, p); 2]);
+            if x < least.0 {
+                *least = (x, p);
+            }
+            if x > greatest.0 {
+                *greatest = (x, p);
             }
         }
-        Candidate {
+    }
+
+    fn best(&self, quantity: usize, end: End) -> Option<(f64, [f64; 2])> {
+        let [least, greatest] = self.found[quantity]?;
+        Some(match end {
+            End::Least => least,
+            End::Greatest => greatest,
+        })
+    }
+
+    /// Walks from the best place to better ones beside it.
+    fn climb(&mut self, quantity: usize, end: End) {
+        let domain = self.surface.domain();
+        let mut step = STEPS[0];
+        for _ in 0..CLIMB {
+            if step <= STEPS[1] {
+                break;
+            }
+            let Some((_, from)) = self.best(quantity, end) else {
+                return;
+            };
+            for (d, sign) in [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)] {
+                let mut p = from;
+                p[d] = (p[d] + sign * step * domain[d].width()).clamp(domain[d].lo, domain[d].hi);
+                self.sample(p, [Limit::Above; 2]);
+            }
+            if self.best(quantity, end).is_some_and(|b| b.1 == from) {
+                step *= 0.5;
+            }
+        }
+    }
+
+    /// How much more than the value found is near enough.
+    fn slack(&self, quantity: usize, relative: f64) -> f64 {
+        let greatest = self
+            .found
+            .map(|f| f.map_or(0.0, |[a, b]| a.0.abs().max(b.0.abs())));
+        relative * self.quantities.unit(quantity, greatest)
+    }
+
+    /// An extreme, and how far the true one may be beyond it; `None` if no value was found anywhere.
+    pub(super) fn extreme(
+        &mut self,
+        quantity: usize,
+        end: End,
+        options: &SearchOptions,
+    ) -> Option<Extreme> {
+        let sign = end.sign();
+        self.climb(quantity, end);
+        let bound = |nodes: &[Node<N>], node: usize| {
+            let r = nodes[node].ranges[quantity];
+            let upper = match end {
+                End::Greatest => r.hi,
+                End::Least => -r.lo,
+            };
+            Bound { upper, node }
+        };
+        let mut heap: BinaryHeap<Bound> = (0..self.roots).map(|k| bound(&self.nodes, k)).collect();
+        let mut looks = heap.len();
+        // What the search can no longer split.
+        let mut floor = f64::NEG_INFINITY;
+        while let Some(top) = heap.pop() {
+            let enough = self.best(quantity, end).is_some_and(|(x, _)| {
+                top.upper <= sign * x + self.slack(quantity, options.relative)
+            });
+            if enough || looks >= options.budget {
+                floor = floor.max(top.upper);
+                break;
+            }
+            let Some(first) = self.halve(top.node) else {
+                floor = floor.max(top.upper);
+                continue;
+            };
+            for node in [first, first + 1] {
+                heap.push(bound(&self.nodes, node));
+            }
+            looks += 2;
+        }
+        let (value, uv) = self.best(quantity, end)?;
+        let certainty = if floor.is_finite() {
+            Certainty::Bounded((floor - sign * value).max(0.0).next_up())
+        } else {
+            Certainty::Estimated(self.slack(quantity, options.relative))
+        };
+        Some(Extreme {
+            value,
             uv,
-            upper,
-            next,
-            number,
-        }
-    };
-    let mut heap = BinaryHeap::new();
-    let (bu, bv) = (surface.breaks(Dir::U), surface.breaks(Dir::V));
-    for i in 0..bu.pieces() {
-        for j in 0..bv.pieces() {
-            heap.push(look([bu.piece(i), bv.piece(j)], &mut best));
-        }
+            certainty,
+        })
     }
-    let mut looks = heap.len();
-    // What the search can no longer split.
-    let mut floor = f64::NEG_INFINITY;
-    while let Some(top) = heap.pop() {
-        let good = best.map_or(f64::INFINITY, |(b, _)| b + options.relative * b.abs());
-        if best.is_some() && top.upper <= good || looks >= options.budget {
-            heap.push(top);
-            break;
+
+    /// The number of the first half; `None` if the box is too narrow to halve.
+    fn halve(&mut self, node: usize) -> Option<usize> {
+        let Node {
+            uv, next, halves, ..
+        } = self.nodes[node];
+        if halves.is_some() {
+            return halves;
         }
-        let d = top.next;
-        let m = top.uv[d].mid();
-        if m <= top.uv[d].lo || m >= top.uv[d].hi {
-            floor = floor.max(top.upper);
-            continue;
+        let m = uv[next].mid();
+        if m <= uv[next].lo || m >= uv[next].hi {
+            return None;
         }
-        let parts = [
-            Interval::new(top.uv[d].lo, m),
-            Interval::new(m, top.uv[d].hi),
-        ];
-        for part in parts {
-            let mut uv = top.uv;
-            uv[d] = part;
-            heap.push(look(uv, &mut best));
+        let first = self.nodes.len();
+        for (lo, hi) in [(uv[next].lo, m), (m, uv[next].hi)] {
+            let mut half = uv;
+            half[next] = Interval::new(lo, hi);
+            self.look(half);
         }
-        looks += 2;
+        self.nodes[node].halves = Some(first);
+        Some(first)
     }
-    let (value, uv) = best?;
-    let upper = heap.peek().map_or(floor, |c| c.upper.max(floor));
-    let certainty = if upper.is_finite() {
-        Certainty::Bounded((upper - value).max(0.0).next_up())
-    } else {
-        Certainty::Estimated(options.relative * value.abs())
-    };
-    Some(Extreme {
-        value,
-        uv,
-        certainty,
-    })
 }

@@ -1,8 +1,10 @@
 //! Truncated Taylor polynomials in two variables with enclosed coefficients: what an integrand is computed in.
 
 use crate::box3::Box3;
+use crate::breaks::Limit;
 use crate::interval::Interval;
-use crate::surface::{jet_index, jet_len};
+use crate::series::binomial;
+use crate::surface::{Dir, Surface, jet_index, jet_len};
 
 /// `Σ c_ij du^i dv^j` for `i + j <= degree`, placed by [`jet_index`].
 #[derive(Clone, Debug)]
@@ -83,10 +85,24 @@ impl Taylor {
         t
     }
 
-    /// `f²`, whose value is never negative.
+    /// `f²`, whose value is never negative. Each product of two different terms is taken once.
     pub(super) fn sqr(&self) -> Self {
-        let mut t = self.mul(self);
-        t.c[0] = self.c[0].sqr();
+        let mut t = Self::zero(self.degree);
+        let two = Interval::point(2.0);
+        t.each(|i, j, t| {
+            let mut s = Interval::ZERO;
+            for p in 0..=i {
+                for q in 0..=j {
+                    let (a, b) = (jet_index(p, q), jet_index(i - p, j - q));
+                    if a < b {
+                        s = s + two * self.c[a] * self.c[b];
+                    } else if a == b {
+                        s = s + self.c[a].sqr();
+                    }
+                }
+            }
+            t[jet_index(i, j)] = s;
+        });
         t
     }
 
@@ -138,6 +154,81 @@ impl Taylor {
         }
     }
 
+    /// The terms up to a lower degree.
+    pub(super) fn truncated(&self, degree: usize) -> Self {
+        let c = self.c[..jet_len(degree)].to_vec();
+        Self { degree, c }
+    }
+
+    /// `f / u` where f vanishes for u = 0 (measured from there): `(f/u)(u) = ∫ f_u(su) ds`, so the coefficients move by
+    /// one place, and enclosures over a box that touches u = 0 move likewise. One degree lower.
+    pub(super) fn divided(&self) -> Self {
+        let mut t = Self::zero(self.degree - 1);
+        t.each(|i, j, c| c[jet_index(i, j)] = self.c[jet_index(i + 1, j)]);
+        t
+    }
+
+    /// The derivative, one degree lower.
+    pub(super) fn derivative(&self, dir: Dir) -> Self {
+        let mut t = Self::zero(self.degree - 1);
+        t.each(|i, j, c| {
+            let (k, n) = match dir {
+                Dir::U => (jet_index(i + 1, j), i + 1),
+                Dir::V => (jet_index(i, j + 1), j + 1),
+            };
+            c[jet_index(i, j)] = self.c[k] * Interval::point(n as f64);
+        });
+        t
+    }
+
+    /// Narrower enclosures of the coefficients over a box by Taylor's formula from those `at` the centre; see
+    /// [`Self::range`]. It pays before a root or quotient: there wide coefficients multiply.
+    pub(super) fn tightened(mut self, at: &Self, offset: [Interval; 2]) -> Self {
+        let [px, py] = offset.map(|x| {
+            let mut p = vec![Interval::ONE];
+            for k in 0..self.degree {
+                p.push(p[k] * x);
+            }
+            p
+        });
+        for n in 0..self.degree {
+            for j in 0..=n {
+                let i = n - j;
+                let mut sum = Interval::ZERO;
+                for a in 0..=self.degree - n {
+                    for b in 0..=self.degree - n - a {
+                        let k = jet_index(i + a, j + b);
+                        let top = a + b == self.degree - n;
+                        let c = if top { self.c[k] } else { at.c[k] };
+                        let times = Interval::point(binomial(i + a, a) * binomial(j + b, b));
+                        sum = sum + c * times * px[a] * py[b];
+                    }
+                }
+                if sum.is_finite() {
+                    let k = jet_index(i, j);
+                    self.c[k] = sum.meet(self.c[k]);
+                }
+            }
+        }
+        self
+    }
+
+    /// How much of the range comes from u and from v; see [`Self::range`].
+    pub(super) fn weight(&self, at: &Self, [x, y]: [Interval; 2]) -> [f64; 2] {
+        let mut weight = [0.0; 2];
+        for n in 1..=self.degree {
+            for j in 0..=n {
+                let i = n - j;
+                let k = jet_index(i, j);
+                let c = if n < self.degree { at.c[k] } else { self.c[k] };
+                let share = c.mag() * x.mag().powi(i as i32) * y.mag().powi(j as i32) / n as f64;
+                weight[0] += share * i as f64;
+                weight[1] += share * j as f64;
+            }
+        }
+        weight
+    }
+
     /// The range over a box, whose offsets from its middle are `x` and `y`: `self` holds enclosures over the box, of
     /// which only the highest degree is used, `at` those in the middle.
     pub(super) fn range(&self, at: &Self, [x, y]: [Interval; 2]) -> Interval {
@@ -161,9 +252,50 @@ impl Taylor {
     }
 }
 
+/// What is known of a surface over a box of parameters in one analytic piece.
+pub(super) struct Patch {
+    /// Enclosures of the jet over the box.
+    pub(super) wide: Vec<Box3>,
+    /// Enclosures of the jet at the centre of expansion.
+    pub(super) at: Vec<Box3>,
+    /// The parameters, measured from the centre.
+    pub(super) offset: [Interval; 2],
+}
+
+impl Patch {
+    /// The jets of the given order, expanded in the middle.
+    pub(super) fn new(surface: &dyn Surface, uv: [Interval; 2], order: usize) -> Self {
+        Self::about(surface, uv, uv.map(Interval::mid), order)
+    }
+
+    /// The jets of the given order, expanded at `centre`.
+    pub(super) fn about(
+        surface: &dyn Surface,
+        uv: [Interval; 2],
+        centre: [f64; 2],
+        order: usize,
+    ) -> Self {
+        let mut wide = vec![Box3::ENTIRE; jet_len(order)];
+        let mut at = wide.clone();
+        // The piece is the one that holds the box, also where the centre is a break.
+        let limit = [0, 1].map(|d| {
+            if centre[d] >= uv[d].hi {
+                Limit::Below
+            } else {
+                Limit::Above
+            }
+        });
+        surface.enclose_piece(uv, [Limit::Above; 2], order, &mut wide);
+        surface.enclose_piece(centre.map(Interval::point), limit, order, &mut at);
+        let offset = [0, 1].map(|d| uv[d] - Interval::point(centre[d]));
+        tighten(&mut wide, &at, offset, order);
+        Self { wide, at, offset }
+    }
+}
+
 /// Makes the enclosures `wide` of a jet over a box narrower by Taylor's formula from those `at` its middle, to
 /// the highest degree there is; `x` and `y` are the offsets from the middle.
-pub(super) fn tighten(wide: &mut [Box3], at: &[Box3], [x, y]: [Interval; 2], order: usize) {
+fn tighten(wide: &mut [Box3], at: &[Box3], [x, y]: [Interval; 2], order: usize) {
     let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
     let powers = |x: Interval| {
         (0..=order)

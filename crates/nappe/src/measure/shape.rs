@@ -1,0 +1,201 @@
+//! The shape operator of a surface as Taylor polynomials, also up to a pole.
+
+use super::integral::{halved, turning};
+use super::taylor::{Patch, Taylor};
+use crate::box3::Box3;
+use crate::breaks::Limit;
+use crate::interval::Interval;
+use crate::surface::{Dir, Surface, jet_index, jet_len};
+
+/// The degree of the Taylor polynomials. Higher degrees need fewer boxes but each costs more.
+pub(super) const DEGREE: usize = 6;
+/// A side whose tangents amount to less than this part of the surface's size is one point. Larger, and the strong
+/// curvature of a short side would be missed; smaller, and rounding would hide poles.
+const POINT: f64 = 1e-12;
+/// Sine of the angle by which the tangents in a pole may leave their plane. Larger, and a blunt cone would count as
+/// smooth; smaller, and rounding would make smooth poles cones.
+const PLANE: f64 = 1e-9;
+
+/// The shape operator `[[p, q], [q, s]]` in an orthonormal basis of the tangent plane.
+pub(super) struct Shape {
+    pub(super) p: Taylor,
+    pub(super) q: Taylor,
+    pub(super) s: Taylor,
+}
+
+/// The shape operator over a box: enclosures of its Taylor coefficients over the box and at the centre of expansion.
+pub(super) struct ShapeForm {
+    pub(super) wide: Shape,
+    pub(super) at: Shape,
+    /// The parameters from the centre of expansion; the first is the one across a pole.
+    pub(super) offset: [Interval; 2],
+    /// True if u and v change places in the polynomials.
+    pub(super) exchanged: bool,
+}
+
+impl ShapeForm {
+    /// Where nothing can be expanded: the direction in which to halve the box.
+    ///
+    /// Near a side u = u₀ that is one point, `r_v = (u - u₀) ρ` with a smooth ρ, whose Taylor coefficients are those of
+    /// `r_v` moved by one place. If the tangents there lie in one plane, `r_vv·(r_u × ρ)` has the factor (u - u₀)²
+    /// likewise, and all powers of u - u₀ cancel.
+    pub(super) fn new(surface: &dyn Surface, uv: [Interval; 2], size: f64) -> Result<Self, usize> {
+        let domain = surface.domain();
+        let mut poles = Vec::new();
+        for d in 0..2 {
+            for (at, end) in [(uv[d].lo, domain[d].lo), (uv[d].hi, domain[d].hi)] {
+                if at == end && is_point(surface, uv, d, at, size) {
+                    poles.push((d, at));
+                }
+            }
+        }
+        // Beside a pole the normal vanishes, but its factor u - u₀ is no obstacle.
+        Self::expanded(surface, uv, &poles).ok_or_else(|| match poles.len() {
+            1 => turning(surface, uv).0,
+            _ => halved(surface, uv),
+        })
+    }
+
+    fn expanded(surface: &dyn Surface, uv: [Interval; 2], poles: &[(usize, f64)]) -> Option<Self> {
+        let (patch, [wide, at]) = match *poles {
+            [] => {
+                let patch = Patch::new(surface, uv, DEGREE + 2);
+                // The basis begins with the longer tangent.
+                let swap = patch.at[2].norm().mid() > patch.at[1].norm().mid();
+                let forms = [&patch.wide, &patch.at].map(|jet| beside(jet, swap));
+                (patch, forms)
+            }
+            [(d, at)] => {
+                let mut centre = uv.map(Interval::mid);
+                centre[d] = at;
+                let mut patch = Patch::about(surface, uv, centre, DEGREE + 4);
+                let both = [&patch.wide, &patch.at].map(|jet| around(jet, d, at == uv[d].hi));
+                if !both[1].1 {
+                    return None;
+                }
+                if d == 1 {
+                    patch.offset.swap(0, 1);
+                }
+                (patch, both.map(|b| b.0))
+            }
+            _ => return None,
+        };
+        let offset = patch.offset;
+        let mut narrow = at.iter();
+        let wide = wide.map(|t| match narrow.next() {
+            Some(at) => t.tightened(at, offset),
+            None => t,
+        });
+        let (wide, at) = (shape(&wide), shape(&at));
+        let tight = |wide: Taylor, at: &Taylor| wide.tightened(at, offset);
+        let wide = Shape {
+            p: tight(wide.p, &at.p),
+            q: tight(wide.q, &at.q),
+            s: tight(wide.s, &at.s),
+        };
+        let exchanged = poles.iter().any(|p| p.0 == 1);
+        let form = Self {
+            wide,
+            at,
+            offset,
+            exchanged,
+        };
+        let Shape { p, q, s } = &form.wide;
+        [p, q, s].iter().all(|t| t.is_finite()).then_some(form)
+    }
+}
+
+/// True if the side of the box where the parameter `d` has the value `at` is one point, within rounding.
+fn is_point(surface: &dyn Surface, uv: [Interval; 2], d: usize, at: f64, size: f64) -> bool {
+    let mut side = uv;
+    side[d] = Interval::point(at);
+    let mut limit = [Limit::Above; 2];
+    if at == uv[d].hi {
+        limit[d] = Limit::Below;
+    }
+    let mut jet = [Box3::ENTIRE; jet_len(1)];
+    surface.enclose_piece(side, limit, 1, &mut jet);
+    let tangent = jet[2 - d].norm().hi;
+    tangent * uv[1 - d].width() <= POINT * size
+}
+
+/// Invariants of the two forms: `r_uu·n, r_uv·n, r_vv·n` with `n = r_u × r_v`, `r_u·r_u`, `r_u·r_v`, `n·n`.
+type Forms = [Taylor; 6];
+
+/// The shape operator; the basis begins with r_u.
+fn shape([l, m, k, e, f, n2]: &Forms) -> Shape {
+    let w = n2.sqrt();
+    let [l, m, k] = [l, m, k].map(|x| x.div(&w));
+    let p = l.div(e);
+    let fp = f.mul(&p);
+    let q = m.sub(&fp).div(&w);
+    let two = Interval::point(2.0);
+    let s = e.mul(&k).add(&f.mul(&fp.sub(&m.scale(two)))).div(n2);
+    Shape { p, q, s }
+}
+
+/// Where `r_u × r_v` does not vanish, from a jet of order [`DEGREE`] + 2. With `swap`, u and v change places.
+fn beside(jet: &[Box3], swap: bool) -> Forms {
+    let vector = |d: [usize; 2]| Taylor::vector(jet, d, DEGREE);
+    let (u, v) = (vector([1, 0]), vector([0, 1]));
+    let n = Taylor::cross(&u, &v);
+    let [l, m, k] = [[2, 0], [1, 1], [0, 2]].map(|d| Taylor::dot(&n, &vector(d)));
+    let (f, n2) = (Taylor::dot(&u, &v), Taylor::square(&n));
+    if swap {
+        [k, m, l, Taylor::square(&v), f, n2]
+    } else {
+        [l, m, k, Taylor::square(&u), f, n2]
+    }
+}
+
+/// Around a side that is one point, across which the parameter `d` runs, from a jet of order [`DEGREE`] + 4: the forms
+/// without the powers of u - u₀. False if the tangents in the pole are not in one plane.
+fn around(jet: &[Box3], d: usize, below: bool) -> (Forms, bool) {
+    let turned;
+    let jet = if d == 0 {
+        jet
+    } else {
+        turned = exchanged(jet);
+        &turned[..]
+    };
+    let each = |a: &[Taylor; 3], f: &dyn Fn(&Taylor) -> Taylor| [0, 1, 2].map(|k| f(&a[k]));
+    let low = |a: &[Taylor; 3]| each(a, &|t| t.truncated(DEGREE));
+    let rho = each(&Taylor::vector(jet, [0, 1], DEGREE + 3), &|t| t.divided());
+    let rho_u = each(&rho, &|t| t.derivative(Dir::U));
+    let rho_v = each(&rho, &|t| t.derivative(Dir::V));
+    let rho = each(&rho, &|t| t.truncated(DEGREE + 1));
+    let u = Taylor::vector(jet, [1, 0], DEGREE + 1);
+    // With the sign of u - u₀, and as exchanged parameters turn the normal over.
+    let sign = Interval::point(if below != (d == 1) { -1.0 } else { 1.0 });
+    let n = each(&Taylor::cross(&u, &rho), &|t| t.scale(sign));
+    let across = Taylor::dot(&n, &rho_v);
+    let flat = across.c[0].mag() <= PLANE * length(&n) * length(&rho_v);
+    let (n, u, rho) = (low(&n), low(&u), low(&rho));
+    let forms = [
+        Taylor::dot(&n, &Taylor::vector(jet, [2, 0], DEGREE)),
+        Taylor::dot(&n, &low(&rho_u)),
+        across.divided(),
+        Taylor::square(&u),
+        Taylor::dot(&u, &rho),
+        Taylor::square(&n),
+    ];
+    (forms, flat)
+}
+
+/// The length of the constant term.
+fn length(v: &[Taylor; 3]) -> f64 {
+    v.iter().map(|t| t.c[0].mag().powi(2)).sum::<f64>().sqrt()
+}
+
+/// The jet with u and v exchanged.
+fn exchanged(jet: &[Box3]) -> Vec<Box3> {
+    let mut out = jet.to_vec();
+    let mut n = 0;
+    while jet_len(n) <= jet.len() {
+        for j in 0..=n {
+            out[jet_index(j, n - j)] = jet[jet_index(n - j, j)];
+        }
+        n += 1;
+    }
+    out
+}
