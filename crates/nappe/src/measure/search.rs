@@ -98,6 +98,9 @@ impl End {
     }
 }
 
+/// A value and where it was found.
+type Found = (f64, [f64; 2]);
+
 /// Looks for extremes piece by piece.
 pub(super) struct Search<'a, const N: usize, Q: Quantities<N>> {
     surface: &'a dyn Surface,
@@ -105,7 +108,7 @@ pub(super) struct Search<'a, const N: usize, Q: Quantities<N>> {
     nodes: Vec<Node<N>>,
     roots: usize,
     /// The least and greatest values found.
-    found: [Option<[(f64, [f64; 2]); 2]>; N],
+    found: [Option<[Found; 2]>; N],
 }
 
 /// The first step of a climb, in parts of the domain, and the last, which moves a value by rounding only: it errs by the
@@ -177,7 +180,7 @@ impl<'a, const N: usize, Q: Quantities<N>> Search<'a, N, Q> {
         }
     }
 
-    fn best(&self, quantity: usize, end: End) -> Option<(f64, [f64; 2])> {
+    fn best(&self, quantity: usize, end: End) -> Option<Found> {
         let [least, greatest] = self.found[quantity]?;
         Some(match end {
             End::Least => least,
