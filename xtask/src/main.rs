@@ -1,6 +1,8 @@
 //! The project's own tasks, so that nobody has to remember a command line: `cargo xtask help` lists them.
 
 mod gallery;
+#[cfg(test)]
+mod sources;
 
 use std::env;
 use std::path::{Path, PathBuf};
