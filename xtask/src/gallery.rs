@@ -19,7 +19,7 @@ const CHAPTERS: &[(&str, &[Picture])] = &[
             Picture(
                 "duct",
                 "duct.png",
-                "--isolines 8",
+                "--isolines 8 --azimuth 25 --elevation 20",
                 "A round-to-square transition duct: four Coons panels with cubic blending between two straight collars. \
                  Radius, side, height and collar are parameters of the model.",
             ),
@@ -27,8 +27,8 @@ const CHAPTERS: &[(&str, &[Picture])] = &[
                 "duct",
                 "duct-zebra.png",
                 "--style zebra --azimuth 25 --elevation 12",
-                "The same duct under zebra stripes. They run from the panels into the collars without a kink; `nappe \
-                 check` proves the angle.",
+                "The same duct under zebra stripes. They go on from the panels into the collars, where `nappe check` \
+                 proves that the surfaces share their tangent planes, and break at the corner edges.",
             ),
         ],
     ),
@@ -115,8 +115,8 @@ const CHAPTERS: &[(&str, &[Picture])] = &[
                 "coons-neighbour",
                 "coons-neighbour.png",
                 "--style zebra",
-                "A Coons surface that takes the derivative across one side from its neighbour: the stripes pass the \
-                 shared side without a kink.",
+                "A Coons surface that takes the derivative across one side from its neighbour: the stripes go on \
+                 across the shared side.",
             ),
             Picture(
                 "diagonal-key",

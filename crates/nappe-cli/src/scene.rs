@@ -6,7 +6,7 @@ use nappe::exact::{ApproximationError, to_nurbs_or_approximate, to_nurbs_or_appr
 use nappe::measure::curvature;
 use nappe::mesh::{Mesh, MeshError, MeshOptions, flatten, mesh};
 use nappe::surface::SurfaceRef;
-use nappe::{Box3, Limit};
+use nappe::{Interval, Limit};
 use nappe_exchange::{Exact, ExactForm, Field, Part, Polyline, Scene, Units};
 use nappe_model::{Model, NamedSurface};
 use std::sync::Arc;
@@ -21,16 +21,31 @@ pub(crate) fn tolerance(model: &Model, asked: Option<f64>) -> f64 {
         .unwrap_or_else(|| share_of_size(model, DEFAULT_TOLERANCE))
 }
 
+/// Steps in each direction at which a surface or a curve is measured for its size. More would be slower; fewer could
+/// miss a bulge, and the picture or mesh be finer than was meant.
+const STEPS: usize = 16;
+
 /// A share of the diagonal of the box around everything that the model puts out; of 1 if nothing bounds it.
+///
+/// The box is that of samples: enclosures over whole domains may be many times too large.
 pub(crate) fn share_of_size(model: &Model, share: f64) -> f64 {
-    let curves = model.curves.iter().filter(|c| !c.construction_only);
-    let size = model
-        .output()
-        .map(|s| s.surface.bounds(s.surface.domain()))
-        .chain(curves.map(|c| c.curve.bounds(c.curve.domain())))
-        .reduce(Box3::hull)
-        .map_or(1.0, Box3::diagonal);
-    let tolerance = share * size;
+    let at = |d: Interval, i: usize| d.lo + (d.hi - d.lo) * i as f64 / STEPS as f64;
+    let mut points = Vec::new();
+    for s in model.output() {
+        let [u, v] = s.surface.domain();
+        for i in 0..=STEPS {
+            points.extend((0..=STEPS).map(|j| s.surface.point([at(u, i), at(v, j)])));
+        }
+    }
+    for c in model.curves.iter().filter(|c| !c.construction_only) {
+        let t = c.curve.domain();
+        points.extend((0..=STEPS).map(|i| c.curve.point(at(t, i))));
+    }
+    let ends = points
+        .into_iter()
+        .map(|p| (p, p))
+        .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let tolerance = share * ends.map_or(1.0, |(lo, hi)| (hi - lo).length());
     if tolerance > 0.0 && tolerance.is_finite() {
         tolerance
     } else {
