@@ -15,6 +15,7 @@ cargo xtask <task>
   ci               what CI runs: formatting, lints, documentation, then `test`
   bench [ARGS]     grid, list and mesh of every kind beside a plain loop; `--json FILE` writes one object a row
   gallery          draw docs/gallery/*.png and docs/gallery.md from examples/
+  docs             write docs/model-file.md from the list of kinds and keys
   fuzz [MINUTES]   feed random model files to the reader (installs cargo-fuzz on first use; default 2 minutes)
 ";
 
@@ -29,6 +30,7 @@ fn main() -> ExitCode {
         Some("ci") => ci(),
         Some("bench") => bench(rest),
         Some("gallery") => gallery::draw(),
+        Some("docs") => docs(),
         Some("fuzz") => fuzz(rest),
         Some("help" | "--help" | "-h") => {
             print!("{HELP}");
@@ -107,6 +109,19 @@ fn ci() -> Outcome {
 
 fn bench(rest: &[String]) -> Outcome {
     run(cargo(&["bench", "--package", "nappe", "--bench", "surfaces", "--"]).args(rest))
+}
+
+/// The test that checks the page writes it when told to.
+fn docs() -> Outcome {
+    run(cargo(&[
+        "test",
+        "--package",
+        "nappe-model",
+        "--test",
+        "reference",
+        "--quiet",
+    ])
+    .env("NAPPE_WRITE_DOCS", "1"))
 }
 
 /// Coverage-guided fuzzing needs two unstable compiler flags; the stable compiler takes them when told to.

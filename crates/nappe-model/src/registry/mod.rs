@@ -83,7 +83,7 @@ pub struct Kind {
 }
 
 /// The keys of a check.
-pub(crate) const CHECK: &[Key] = &[
+pub const CHECK: &[Key] = &[
     key(
         "between",
         List(&Side, Some(2)),
@@ -105,7 +105,7 @@ pub(crate) const CHECK: &[Key] = &[
 ];
 
 /// The keys of the file besides `params`, `curves`, `surfaces` and `checks`.
-pub(crate) const TOP: &[Key] = &[
+pub const TOP: &[Key] = &[
     key("nappe", Count(1), Required, "the version of the format: 1"),
     key(
         "title",
