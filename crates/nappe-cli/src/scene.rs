@@ -4,8 +4,8 @@ use crate::failure::{Failure, Problem};
 use crate::screen::Screen;
 use nappe::exact::{ApproximationError, to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
 use nappe::measure::curvature;
-use nappe::mesh::{Mesh, MeshError, MeshOptions, flatten, mesh};
-use nappe::surface::SurfaceRef;
+use nappe::mesh::{Mesh, MeshError, MeshOptions, MeshPatch, flatten, mesh};
+use nappe::surface::{Normal, SurfaceRef, normal_at};
 use nappe::{Interval, Limit};
 use nappe_exchange::{Exact, ExactForm, Field, Part, Polyline, Scene, Units};
 use nappe_model::{Model, NamedSurface};
@@ -158,7 +158,8 @@ pub(crate) enum Bend {
     Mean,
 }
 
-/// A curvature at each vertex of a mesh of what the model puts out; none at poles.
+/// A curvature at each vertex of a mesh of what the model puts out; at a pole the mean of its
+/// neighbours, since the second derivatives there say nothing.
 pub(crate) fn curvature_field(model: &Model, mesh: &Mesh, which: Bend) -> Field {
     let unit = units(model).symbol();
     let (name, unit) = match which {
@@ -167,18 +168,42 @@ pub(crate) fn curvature_field(model: &Model, mesh: &Mesh, which: Bend) -> Field 
     };
     let values = model.output().zip(&mesh.patches).map(|(s, patch)| {
         let at = |uv| {
-            let jet = s.surface.jet(uv, [Limit::Above; 2], 2);
-            curvature(&jet).map_or(f64::NAN, |c| match which {
+            let limit = [Limit::Above; 2];
+            if !matches!(normal_at(s.surface.as_ref(), uv, limit), Normal::Regular(_)) {
+                return f64::NAN;
+            }
+            curvature(&s.surface.jet(uv, limit, 2)).map_or(f64::NAN, |c| match which {
                 Bend::Gaussian => c.gaussian,
                 Bend::Mean => c.mean,
             })
         };
-        patch.vertices.iter().map(|v| at(v.uv)).collect()
+        let mut values: Vec<f64> = patch.vertices.iter().map(|v| at(v.uv)).collect();
+        fill_poles(patch, &mut values);
+        values
     });
     Field {
         name: name.to_owned(),
         unit,
         values: values.collect(),
+    }
+}
+
+/// Gives vertices without a value the mean of those they share a triangle with.
+fn fill_poles(patch: &MeshPatch, values: &mut [f64]) {
+    let mut sums = vec![(0.0, 0usize); values.len()];
+    for t in &patch.triangles {
+        for (&at, &from) in t.iter().flat_map(|a| t.iter().map(move |b| (a, b))) {
+            if values[at as usize].is_nan() && values[from as usize].is_finite() {
+                let (sum, count) = &mut sums[at as usize];
+                *sum += values[from as usize];
+                *count += 1;
+            }
+        }
+    }
+    for (value, (sum, count)) in values.iter_mut().zip(sums) {
+        if count > 0 {
+            *value = sum / count as f64;
+        }
     }
 }
 

@@ -344,3 +344,24 @@ fn the_seam_of_a_full_turn_is_smooth() {
     assert_eq!(r.collapsed.len(), 2);
     assert!(r.regular, "{r:?}");
 }
+
+#[test]
+fn a_corner_of_the_profile_is_a_crease_of_its_angle() {
+    use nappe::curve::{Spacing, polyline};
+    use nappe::measure::creases;
+    use nappe::surface::{Dir, ruled};
+    let rail = |z: f64| -> nappe::curve::CurveRef {
+        let p = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0)].map(|(x, y)| nappe::DVec3::new(x, y, z));
+        std::sync::Arc::new(polyline(&p, Spacing::Chord).unwrap())
+    };
+    let bent = ruled(rail(0.0), rail(1.0), Dir::U).unwrap();
+    let found = creases(&bent);
+    assert_eq!(found.len(), 1);
+    assert_eq!((found[0].dir, found[0].at), (Dir::U, 0.5));
+    assert!((found[0].angle - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    let flat = nappe::surface::bilinear([
+        [nappe::DVec3::ZERO, nappe::DVec3::Y],
+        [nappe::DVec3::X, nappe::DVec3::ONE],
+    ]);
+    assert!(creases(&flat.unwrap()).is_empty());
+}

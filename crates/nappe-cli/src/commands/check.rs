@@ -7,10 +7,10 @@ use crate::scene;
 use crate::screen::Screen;
 use crate::text::{Table, bound, number};
 use nappe::measure::{
-    Continuity, Jump, JumpOptions, Regularity, Smoothness, continuity, regularity,
+    Continuity, Crease, Jump, JumpOptions, Regularity, Smoothness, continuity, creases, regularity,
 };
 use nappe::mesh::{Certainty, joints};
-use nappe::surface::{Side, SurfaceRef};
+use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_model::{Check, CheckTolerance, Model, NamedSurface};
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -143,7 +143,7 @@ struct Findings<'a> {
     declared: Vec<Declared<'a>>,
     shared: Vec<Shared>,
     open: Vec<String>,
-    surfaces: Vec<(&'a NamedSurface, Regularity)>,
+    surfaces: Vec<(&'a NamedSurface, Regularity, Vec<Crease>)>,
 }
 
 impl<'a> Findings<'a> {
@@ -191,7 +191,7 @@ impl<'a> Findings<'a> {
         let regular = named.iter().map(|s| {
             let r = regularity(s.surface.as_ref(), &JumpOptions::default());
             step();
-            (*s, r)
+            (*s, r, creases(s.surface.as_ref()))
         });
         let surfaces = regular.collect();
         progress.finish();
@@ -304,11 +304,11 @@ impl<'a> Findings<'a> {
     }
 
     fn surface_table(&self) -> Table {
-        let mut table = Table::headed(["", "surface", "tangent plane", "poles"]);
-        for (s, r) in &self.surfaces {
+        let mut table = Table::headed(["", "surface", "tangent plane", "creases", "poles"]);
+        for (s, r, creases) in &self.surfaces {
             let mark = if r.folds.is_empty() { "✓" } else { "✗" };
             let state = if r.regular {
-                "everywhere, proven".to_owned()
+                "in every piece, proven".to_owned()
             } else if !r.folds.is_empty() {
                 format!("folds over at {}", places(&r.folds))
             } else if !r.degenerate.is_empty() {
@@ -321,6 +321,12 @@ impl<'a> Findings<'a> {
                 mark,
                 s.name.as_str(),
                 state.as_str(),
+                creases
+                    .iter()
+                    .map(crease)
+                    .collect::<Vec<_>>()
+                    .join(", ")
+                    .as_str(),
                 poles.join(", ").as_str(),
             ]);
         }
@@ -374,10 +380,14 @@ impl<'a> Findings<'a> {
         let surfaces: Vec<Value> = self
             .surfaces
             .iter()
-            .map(|(s, r)| {
+            .map(|(s, r, creases)| {
                 json!({
                     "name": s.name,
                     "regular": r.regular,
+                    "creases": creases
+                        .iter()
+                        .map(|c| json!({"dir": if c.dir == Dir::U { "u" } else { "v" }, "at": c.at, "angle": c.angle, "uv": c.uv}))
+                        .collect::<Vec<_>>(),
                     "collapsed_sides": r.collapsed.iter().map(|s| s.name()).collect::<Vec<_>>(),
                     "folds": r.folds,
                     "degenerate": r.degenerate,
@@ -453,9 +463,18 @@ fn shown(c: Certainty, unit: f64, symbol: &str) -> String {
     match c {
         Certainty::Exact => format!("0{symbol}"),
         Certainty::Bounded(e) | Certainty::Estimated(e) if !e.is_finite() => "unbounded".to_owned(),
-        Certainty::Bounded(e) => format!("≤ {}{symbol}", bound(e * unit, 2)),
-        Certainty::Estimated(e) => format!("{}{symbol} (estimated)", bound(e * unit, 2)),
+        Certainty::Bounded(e) => format!("≤ {}{symbol}", bound(e * unit, 4)),
+        Certainty::Estimated(e) => format!("{}{symbol} (estimated)", bound(e * unit, 4)),
     }
+}
+
+fn crease(c: &Crease) -> String {
+    let name = if c.dir == Dir::U { "u" } else { "v" };
+    format!(
+        "{name} = {} ({}°)",
+        number(c.at, 6),
+        number(c.angle.to_degrees(), 4)
+    )
 }
 
 fn degrees(jump: &Jump) -> String {

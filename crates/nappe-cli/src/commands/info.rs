@@ -157,6 +157,16 @@ impl Facts {
         if !self.surfaces.is_empty() {
             head.row(["area", &format!("{} {unit}²", measured(self.area))]);
             let volume = match &self.volume {
+                Ok(v) if v.value < 0.0 => {
+                    let outward = Measured {
+                        value: -v.value,
+                        ..*v
+                    };
+                    format!(
+                        "{} {unit}³ enclosed; the normals point inwards",
+                        measured(outward)
+                    )
+                }
                 Ok(v) => format!("{} {unit}³ enclosed", measured(*v)),
                 Err(e) => format!("none: {e}"),
             };

@@ -4,6 +4,7 @@
 mod along;
 mod area;
 mod continuity;
+mod crease;
 mod curvature;
 mod extent;
 mod integral;
@@ -16,6 +17,7 @@ mod taylor;
 
 pub use area::{VolumeError, area, volume};
 pub use continuity::{Continuity, SideOf, Smoothness, continuity};
+pub use crease::{Crease, creases};
 pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes};
 pub use extent::{Extent, extent};
 pub use integral::{IntegralOptions, Measured};
