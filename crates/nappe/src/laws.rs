@@ -72,6 +72,16 @@ fn magnitude(b: &Box3) -> f64 {
     if m.is_finite() { m } else { 0.0 }
 }
 
+/// Parts along each direction whose boxes together give the size: rational kinds cannot bound themselves at one go,
+/// since the enclosure of a denominator over the whole domain may contain zero.
+const PARTS: usize = 16;
+
+/// The k-th part of a domain.
+fn part(domain: Interval, k: usize) -> Interval {
+    let at = |k: usize| domain.lo + (domain.hi - domain.lo) * (k as f64 / PARTS as f64);
+    Interval::new(at(k), if k + 1 == PARTS { domain.hi } else { at(k + 1) })
+}
+
 /// Checks every law on a curve with 10³ random intervals.
 pub fn curve(c: &dyn Curve) {
     curve_with(c, 1000);
@@ -85,8 +95,16 @@ pub fn curve_with(c: &dyn Curve, boxes: usize) {
         "breaks increase: {breaks:?}"
     );
     let domain = c.domain();
-    let size = c.bounds(domain).diagonal();
-    let far = magnitude(&c.bounds(domain)).max(size);
+    let bounds = (0..PARTS)
+        .map(|k| c.bounds(part(domain, k)))
+        .reduce(Box3::hull)
+        .unwrap_or(Box3::ENTIRE);
+    assert!(
+        bounds.is_finite(),
+        "the curve encloses itself: without that no tolerance below says anything"
+    );
+    let size = bounds.diagonal();
+    let far = magnitude(&bounds).max(size);
     let mut random = Random(7);
     for i in 0..breaks.pieces() {
         let piece = breaks.piece(i);
@@ -240,7 +258,14 @@ pub fn surface_with(s: &dyn Surface, boxes: usize) {
             "breaks increase: {b:?}"
         );
     }
-    let bounds = s.bounds(domain);
+    let bounds = (0..PARTS * PARTS)
+        .map(|k| s.bounds([part(domain[0], k / PARTS), part(domain[1], k % PARTS)]))
+        .reduce(Box3::hull)
+        .unwrap_or(Box3::ENTIRE);
+    assert!(
+        bounds.is_finite(),
+        "the surface encloses itself: without that no tolerance below says anything"
+    );
     let far = magnitude(&bounds).max(bounds.diagonal());
     let width = piece_width(bu).min(piece_width(bv));
     let above = [Limit::Above; 2];
