@@ -4,6 +4,7 @@ mod approximate;
 mod arcs;
 mod curve_tools;
 mod hermite;
+mod hull;
 mod nurbs_curve;
 mod nurbs_surface;
 mod piecewise;

@@ -1,5 +1,6 @@
 //! NURBS surfaces.
 
+use super::hull;
 use super::nurbs_curve::{homogeneous, middle};
 use super::piecewise::bernstein_elevate;
 use super::spline::{Row, join};
@@ -8,8 +9,9 @@ use crate::basis::{BSplineBasis, Functions, KnotError};
 use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::interval::Interval;
-use crate::surface::{Core, Dir, Separable, Surface};
+use crate::surface::{Core, Dir, Separable, Surface, enclose_centred, jet_len};
 use glam::{DVec3, DVec4, Vec4Swizzles};
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// A NURBS surface; without weights a B-spline surface, without inner knots a (rational) Bézier surface.
@@ -112,6 +114,37 @@ impl NurbsSurface {
             points,
             form,
         }
+    }
+
+    fn enclose_part(&self, parts: [&hull::Part; 2], order: usize, out: &mut [Box3]) {
+        let Core::Net(net) = self.form.core() else {
+            return out.fill(Box3::ENTIRE);
+        };
+        let columns = self.basis_v.count();
+        let middle = hull::middle(net, columns, parts);
+        let rational = self.is_rational();
+        let shift = if rational {
+            middle.xyz() / middle.w
+        } else {
+            middle.xyz()
+        };
+        let [x, y, z] = shift.to_array().map(Interval::point);
+        let point = |c: DVec4| {
+            let [cx, cy, cz, w] = c.to_array().map(Interval::point);
+            if rational {
+                [cx - x * w, cy - y * w, cz - z * w, w]
+            } else {
+                [cx - x, cy - y, cz - z, Interval::ZERO]
+            }
+        };
+        let h = hull::derivatives(net, columns, parts, point, order);
+        let mut r: SmallVec<[[Interval; 3]; 16]> =
+            SmallVec::from_elem([Interval::ZERO; 3], jet_len(order));
+        self.form.dehomogenise(&h, order, &mut r);
+        for (o, r) in out.iter_mut().zip(&r) {
+            *o = Box3::from(*r);
+        }
+        out[0] = out[0] + Box3::point(shift) + Box3::point(self.form.origin());
     }
 
     /// The exact NURBS form of a separable surface whose functions are all piecewise rational.
@@ -249,7 +282,42 @@ impl Surface for NurbsSurface {
     }
 
     fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
-        self.form.enclose_piece(uv, limit, order, out);
+        let u = hull::Part::new(&self.basis_u, uv[0], limit[0], order);
+        let v = hull::Part::new(&self.basis_v, uv[1], limit[1], order);
+        self.enclose_part([&u, &v], order, out);
+    }
+
+    /// The hulls of a polynomial surface converge at second order by themselves, and so do not need the centred form.
+    fn enclose(&self, uv: [Interval; 2], order: usize) -> Vec<Box3> {
+        let parts = |d: Dir, uv: Interval| self.breaks(d).parts(uv);
+        let (in_u, in_v) = (parts(Dir::U, uv[0]), parts(Dir::V, uv[1]));
+        let mut whole: Option<Vec<Box3>> = None;
+        let mut add = |boxes: Vec<Box3>| {
+            whole = Some(match whole.take() {
+                None => boxes,
+                Some(w) => w.into_iter().zip(boxes).map(|(a, b)| a.hull(b)).collect(),
+            });
+        };
+        if self.is_rational() {
+            for &(u, limit_u) in &in_u {
+                for &(v, limit_v) in &in_v {
+                    add(enclose_centred(self, [u, v], [limit_u, limit_v], order));
+                }
+            }
+        } else {
+            let part = |basis: &BSplineBasis, &(t, limit): &(Interval, Limit)| {
+                hull::Part::new(basis, t, limit, order)
+            };
+            let vs: Vec<_> = in_v.iter().map(|p| part(&self.basis_v, p)).collect();
+            for u in in_u.iter().map(|p| part(&self.basis_u, p)) {
+                for v in &vs {
+                    let mut boxes = vec![Box3::ENTIRE; jet_len(order)];
+                    self.enclose_part([&u, v], order, &mut boxes);
+                    add(boxes);
+                }
+            }
+        }
+        whole.unwrap_or_default()
     }
 
     fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {

@@ -181,7 +181,7 @@ pub trait Surface: Debug + Send + Sync {
 }
 
 /// The centred form: `∂ r(box) ⊂ Σ_{|a|<2} ∂ᵃ∂ r(m) (p - m)ᵃ/a! + Σ_{|a|=2} ∂ᵃ∂ r(box) (p - m)ᵃ/a!`.
-fn enclose_centred<F: Surface + ?Sized>(
+pub(crate) fn enclose_centred<F: Surface + ?Sized>(
     surface: &F,
     uv: [Interval; 2],
     limit: [Limit; 2],

@@ -241,7 +241,7 @@ impl Separable {
     }
 
     /// The derivatives of `r - origin` (or `r - origin - shift` if rational), written over homogeneous ones.
-    fn dehomogenise<S: Scalar>(&self, h: &[[S; 4]], order: usize, out: &mut [[S; 3]]) {
+    pub(crate) fn dehomogenise<S: Scalar>(&self, h: &[[S; 4]], order: usize, out: &mut [[S; 3]]) {
         for n in 0..=order {
             for j in 0..=n {
                 let i = n - j;

@@ -1,0 +1,128 @@
+//! Enclosures of a NURBS surface by the hulls of its control points.
+//!
+//! A derivative of a spline is a spline of lower degree, whose points are divided differences of the given ones; over a
+//! part of a span it is a Bézier curve, whose points are values of the polar form at the ends of the part. It lies in
+//! their convex hull. Both steps are linear in the points, so one matrix for each direction and order does them. The
+//! hull shrinks to the exact range with the square of the size of the part.
+//!
+//! Source: Golovanov, *Geometric modelling*, §3.9; Ramshaw, *Blossoms are polar forms*, Computer Aided Geometric Design 6
+//! (1989).
+
+use crate::basis::BSplineBasis;
+use crate::breaks::Limit;
+use crate::interval::Interval;
+use crate::surface::{jet_index, jet_len};
+use glam::DVec4;
+use smallvec::SmallVec;
+
+type Row = SmallVec<[Interval; 4]>;
+
+/// For one direction and a part of a span: the matrices from the points of the span to the Bézier points of each
+/// derivative.
+pub(super) struct Part {
+    /// The first point of the span.
+    first: usize,
+    /// `orders[i][a]` is the row of the a-th Bézier point of the i-th derivative.
+    orders: SmallVec<[SmallVec<[Row; 4]>; 5]>,
+}
+
+impl Part {
+    pub(super) fn new(basis: &BSplineBasis, t: Interval, limit: Limit, order: usize) -> Self {
+        let (p, knots) = (basis.degree(), basis.knots());
+        let span = basis.span(t.mid(), limit);
+        let k = |i: usize| Interval::point(knots[i]);
+        let [lo, hi] = [t.lo, t.hi].map(Interval::point);
+        let top = order.min(p);
+        let mut orders: SmallVec<[SmallVec<[Row; 4]>; 5]> = (0..=top)
+            .map(|i| {
+                let row: Row = SmallVec::from_elem(Interval::ZERO, p + 1);
+                SmallVec::from_elem(row, p - i + 1)
+            })
+            .collect();
+        for unit in 0..=p {
+            let mut c: Row = SmallVec::from_elem(Interval::ZERO, p + 1);
+            c[unit] = Interval::ONE;
+            for (i, rows) in orders.iter_mut().enumerate() {
+                let d = p - i;
+                for (a, row) in rows.iter_mut().enumerate() {
+                    // The polar form of degree d at d - a times lo and a times hi.
+                    let mut x = c.clone();
+                    for r in 1..=d {
+                        let at = if r > d - a { hi } else { lo };
+                        for j in (r..=d).rev() {
+                            let from = span + j - d;
+                            let s = (at - k(from)) / (k(from + d + 1 - r) - k(from));
+                            x[j] = (Interval::ONE - s) * x[j - 1] + s * x[j];
+                        }
+                    }
+                    row[unit] = x[d];
+                }
+                // The points of the next derivative.
+                for j in 0..d {
+                    let at = span + 1 + j - d;
+                    let factor = Interval::point(d as f64) / (k(at + d) - k(at));
+                    c[j] = (c[j + 1] - c[j]) * factor;
+                }
+                c.truncate(d.max(1));
+            }
+        }
+        Self {
+            first: span - p,
+            orders,
+        }
+    }
+}
+
+/// A point in the middle of the points that matter, to measure them from.
+pub(super) fn middle(net: &[DVec4], columns: usize, [u, v]: [&Part; 2]) -> DVec4 {
+    let (nu, nv) = (u.orders[0].len(), v.orders[0].len());
+    let sum: DVec4 = (0..nu * nv)
+        .map(|k| net[(u.first + k / nv) * columns + v.first + k % nv])
+        .sum();
+    let m = sum / (nu * nv) as f64;
+    if m.is_finite() { m } else { DVec4::ZERO }
+}
+
+/// Encloses the homogeneous derivatives up to `order`, of a net whose points `point` takes from the given ones.
+pub(super) fn derivatives(
+    net: &[DVec4],
+    columns: usize,
+    [u, v]: [&Part; 2],
+    point: impl Fn(DVec4) -> [Interval; 4],
+    order: usize,
+) -> SmallVec<[[Interval; 4]; 16]> {
+    let mut out: SmallVec<[[Interval; 4]; 16]> =
+        SmallVec::from_elem([Interval::ZERO; 4], jet_len(order));
+    let (nu, nv) = (u.orders[0].len(), v.orders[0].len());
+    let local: SmallVec<[[Interval; 4]; 16]> = (0..nu * nv)
+        .map(|k| point(net[(u.first + k / nv) * columns + v.first + k % nv]))
+        .collect();
+    let combine = |row: &Row, at: &dyn Fn(usize) -> [Interval; 4]| {
+        let mut sum = [Interval::ZERO; 4];
+        for (k, &f) in row.iter().enumerate() {
+            for (s, c) in sum.iter_mut().zip(at(k)) {
+                *s = *s + f * c;
+            }
+        }
+        sum
+    };
+    for (i, rows) in u.orders.iter().enumerate() {
+        for row in rows {
+            let half: SmallVec<[[Interval; 4]; 4]> = (0..nv)
+                .map(|l| combine(row, &|k| local[k * nv + l]))
+                .collect();
+            for (j, columns) in v.orders.iter().enumerate().take(order + 1 - i) {
+                for (b, column) in columns.iter().enumerate() {
+                    let p = combine(column, &|l| half[l]);
+                    let o = &mut out[jet_index(i, j)];
+                    if b == 0 && std::ptr::eq(row, &rows[0]) {
+                        *o = p;
+                    } else {
+                        *o = [0, 1, 2, 3].map(|k| o[k].hull(p[k]));
+                    }
+                }
+            }
+        }
+    }
+    out
+}
