@@ -162,6 +162,39 @@ fn distance(t: &[DVec3; 3], p: DVec3) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
+/// The distance of a point from a surface, near a first guess: the step of Gauss and Newton, halved until it is nearer.
+fn from_surface(s: &SurfaceRef, q: DVec3, mut uv: [f64; 2]) -> f64 {
+    let domain = s.domain();
+    let mut best = q.distance(s.point(uv));
+    for _ in 0..20 {
+        let jet = s.jet(uv, Default::default(), 1);
+        let (e, a, b) = (q - jet.d[0], jet.d[1], jet.d[2]);
+        let (aa, ab, bb) = (a.dot(a), a.dot(b), b.dot(b));
+        let det = aa * bb - ab * ab;
+        let mut step = [
+            (bb * a.dot(e) - ab * b.dot(e)) / det,
+            (aa * b.dot(e) - ab * a.dot(e)) / det,
+        ];
+        if !(step[0].is_finite() && step[1].is_finite()) {
+            break;
+        }
+        let before = best;
+        for _ in 0..8 {
+            let next = [0, 1].map(|d| (uv[d] + step[d]).clamp(domain[d].lo, domain[d].hi));
+            let d = q.distance(s.point(next));
+            if d < best {
+                (uv, best) = (next, d);
+                break;
+            }
+            step = step.map(|x| 0.5 * x);
+        }
+        if best > (1.0 - 1e-6) * before {
+            break;
+        }
+    }
+    best
+}
+
 /// Checks everything that holds for every mesh; returns the number of edges on the border.
 fn check(surfaces: &[SurfaceRef], mesh: &Mesh, tol: f64) -> usize {
     let mut edges: HashMap<[u32; 2], [usize; 2]> = HashMap::new();
@@ -202,7 +235,10 @@ fn check(surfaces: &[SurfaceRef], mesh: &Mesh, tol: f64) -> usize {
                 let l = [i, j, 8 - i - j].map(|x| x as f64 / 8.0);
                 let q = p[0] * l[0] + p[1] * l[1] + p[2] * l[2];
                 let uv = [0, 1].map(|d| c[0].uv[d] * l[0] + c[1].uv[d] * l[1] + c[2].uv[d] * l[2]);
-                let d = q.distance(s.point(uv));
+                let mut d = q.distance(s.point(uv));
+                if d > bound {
+                    d = from_surface(s, q, uv);
+                }
                 assert!(d <= bound, "{d:e} > {bound:e} in {c:?}");
             }
         }
@@ -274,6 +310,36 @@ fn a_plane_is_two_triangles() {
         assert_eq!(m.patches[0].triangles.len(), 2);
         assert_eq!(check(std::slice::from_ref(&plane), &m, tol), 4);
     }
+}
+
+#[test]
+fn uneven_parameters_of_a_plane_cost_nothing() {
+    let at = [0.0, 0.1, 1.0];
+    let p: Vec<DVec3> = (0..9).map(|k| v(at[k / 3], at[k % 3], 0.0)).collect();
+    let s = [bezier(3, &p)];
+    for tol in [1e-2, 1e-6, 1e-11] {
+        let m = made(&s, tol);
+        assert_eq!(m.patches[0].triangles.len(), 2);
+        assert_eq!(check(&s, &m, tol), 4);
+    }
+}
+
+#[test]
+fn numbers_of_triangles_are_near_what_curvature_asks_for() {
+    // A sphere of radius 1 within h: cells with sides a, ⅛ (a² + a²) = h, two triangles each, so 2 · 4π / (4 h).
+    let s = octants();
+    for tol in [1e-2, 2e-3] {
+        let m = made(&s, tol);
+        let n = m.patches.iter().map(|p| p.triangles.len()).sum::<usize>() as f64;
+        let best = std::f64::consts::PI / tol * 2.0;
+        assert!(n < 5.0 * best, "{n} triangles instead of {best}");
+    }
+    // A saddle z = u v: the mixed derivative alone, ¼ / (n m) = h, so 1 / (2 h) triangles.
+    let corners = [DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::ONE];
+    let s = [bezier(2, &corners)];
+    let m = made(&s, 1e-3);
+    check(&s, &m, 1e-3);
+    assert!(m.patches[0].triangles.len() < 550);
 }
 
 #[test]

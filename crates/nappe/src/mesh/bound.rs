@@ -1,9 +1,11 @@
-//! How far triangles are from the surface, and so how many are needed.
+//! How far triangles are from the surface, and so how many are needed: partners with the same parameters.
 //!
 //! **Theorem.** Let `r` be C¹ with bounded second derivatives on a rectangle of size `Δu × Δv`. For every triangle
 //! whose corners `p_i` lie in the rectangle and every `p = Σ λ_i p_i` (`λ_i ≥ 0, Σ λ_i = 1`)
 //!
-//! `|r(p) - Σ λ_i r(p_i)| ≤ ⅛ (‖r_uu‖ Δu² + 2 ‖r_uv‖ Δu Δv + ‖r_vv‖ Δv²)`.
+//! `|r(p) - Σ λ_i r(p_i)| ≤ ⅛ (‖r_uu‖ Δu² + 2 ‖r_uv‖ Δu Δv + ‖r_vv‖ Δv²)`,
+//!
+//! and the same holds for the component along any fixed vector.
 //!
 //! *Proof.* With `d_i = p_i - p`, Taylor's formula gives `r(p_i) = r(p) + Dr(p) d_i + ρ_i`,
 //! `|ρ_i| ≤ ½ (‖r_uu‖ du_i² + 2 ‖r_uv‖ |du_i dv_i| + ‖r_vv‖ dv_i²)`. As `Σ λ_i d_i = 0` the linear terms cancel in the
@@ -12,109 +14,113 @@
 //!
 //! If triangles cover the rectangle in the plane of the parameters, every point of the surface has its partner on the
 //! mesh and every point of the mesh its partner on the surface: the bound is one for the two-sided Hausdorff distance.
-//! If the corners are moved by at most `g` in space, partners are farther apart by at most `g`.
+//! If the corners are moved by at most `g` in space, partners are farther apart by at most `g`. The sharper bound of
+//! `slide` takes nearer partners.
 
 use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::surface::{Surface, jet_len};
+use glam::DVec3;
 
 /// Covers the few roundings of the sums of positive numbers below.
-const ROUND_UP: f64 = 1.0 + 1e-14;
+pub(super) const ROUND_UP: f64 = 1.0 + 1e-14;
 /// The most cells along one direction of a leaf, so that the numerators of parameters stay exact in a double.
 const MAX_CELLS: f64 = 1_048_576.0;
+/// The steps in which grids are tried: finer gains no cells, coarser loses this share of them.
+const STEP: f64 = 1.1;
+/// Grids with this share of cells more are taken for better shaped triangles, for each factor e of the shape.
+const SHAPE: f64 = 0.02;
 
-/// The three parts of the bound for a whole rectangle: `⅛‖r_uu‖Δu²`, `¼‖r_uv‖ΔuΔv`, `⅛‖r_vv‖Δv²`.
+/// A bound on the distance of a piece of surface from its n × m grid of triangles, with its parts for `n = m = 1`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bend {
-    uu: f64,
-    uv: f64,
-    vv: f64,
+    /// What falls with 1/n², with 1/(n m) and with 1/m²: across the surface, or in all directions.
+    pub(super) across: [f64; 3],
+    /// How far the sides along u and along v leave their chords within the surface: falls with 1/n² and with 1/m².
+    pub(super) within: [f64; 2],
+    /// What the part within the surface adds to the part across.
+    pub(super) slope: f64,
     /// The ratio of the sizes along u and v.
-    aspect: f64,
+    pub(super) aspect: f64,
+    /// The rounding of parameters, as a share of the sizes.
+    pub(super) grain: [f64; 2],
+    /// The normal around which all triangles must be counter-clockwise, if the bound needs that.
+    pub(super) normal: Option<DVec3>,
 }
 
 impl Bend {
     /// From enclosures (or samples) of a jet of order 2.
-    pub(super) fn new(jet: &[Box3], [du, dv]: [f64; 2]) -> Self {
+    pub(super) fn new(jet: &[Box3], uv: [Interval; 2]) -> Self {
         debug_assert_eq!(jet.len(), jet_len(2));
+        let [du, dv] = uv.map(Interval::width);
         let norm = |k: usize| jet[k].norm().hi;
         let (lu, lv) = (norm(1) * du, norm(2) * dv);
+        // Far from square is square enough: beyond this the shape decides nothing.
         let aspect = (lu / lv).clamp(1e-3, 1e3);
         Self {
-            uu: 0.125 * norm(3) * du * du * ROUND_UP,
-            uv: 0.25 * norm(4) * du * dv * ROUND_UP,
-            vv: 0.125 * norm(5) * dv * dv * ROUND_UP,
+            across: [
+                0.125 * norm(3) * du * du * ROUND_UP,
+                0.25 * norm(4) * du * dv * ROUND_UP,
+                0.125 * norm(5) * dv * dv * ROUND_UP,
+            ],
+            within: [0.0; 2],
+            slope: 0.0,
             aspect: if aspect.is_nan() { 1.0 } else { aspect },
+            grain: uv.map(|i| 2.0 * f64::EPSILON * i.mag() / i.width()),
+            normal: None,
         }
     }
 
     /// True if the surface is bent more along u than along v.
     pub(super) fn is_along_u(&self) -> bool {
-        self.uu >= self.vv
+        self.across[0] >= self.across[2]
     }
 
     /// The bound for the cells of an n × m grid.
     pub(super) fn deviation(&self, n: f64, m: f64) -> f64 {
-        (self.uu / (n * n) + self.uv / (n * m) + self.vv / (m * m)) * ROUND_UP
-    }
-
-    /// The fewest cells along u that keep `tol` with m cells along v.
-    fn along_u(&self, m: f64, tol: f64) -> Option<f64> {
-        let rest = tol - self.vv / (m * m) * ROUND_UP;
-        let b = self.uv / m;
-        if rest < 0.0 || rest.is_nan() {
-            return None;
-        }
-        if self.uu == 0.0 && b == 0.0 {
-            return Some(1.0);
-        }
-        // a y² + b y = rest for y = 1/n, solved without cancellation.
-        let y = 2.0 * rest / (b + (b * b + 4.0 * self.uu * rest).sqrt());
-        let mut n = (1.0 / y).ceil().max(1.0);
-        if self.deviation(n, m) > tol {
-            n += 1.0;
-        }
-        (n <= MAX_CELLS && self.deviation(n, m) <= tol).then_some(n)
-    }
-
-    fn exchanged(self) -> Self {
-        Self {
-            uu: self.vv,
-            vv: self.uu,
-            aspect: 1.0 / self.aspect,
-            ..self
-        }
+        let (a, b) = (1.0 / n + self.grain[0], 1.0 / m + self.grain[1]);
+        let [uu, uv, vv] = self.across;
+        let across = uu * a * a + uv * a * b + vv * b * b;
+        let within = (self.within[0] * a * a).max(self.within[1] * b * b);
+        (across + self.slope * within).hypot(within) * ROUND_UP
     }
 
     /// A grid with few cells that keeps `tol`, at least `least` along each direction; `None` if there is none.
     pub(super) fn cells(&self, tol: f64, least: [f64; 2]) -> Option<[f64; 2]> {
-        if !(self.uu + self.uv + self.vv).is_finite() {
-            return None;
+        let fewest = |keeps: &dyn Fn(f64) -> bool, least: f64| -> Option<f64> {
+            // Doubled until it keeps the tolerance, then bisected.
+            let mut n = least;
+            while !keeps(n) {
+                n *= 2.0;
+                if n > MAX_CELLS {
+                    return None;
+                }
+            }
+            let mut below = if n > least { 0.5 * n } else { return Some(n) };
+            while n - below > 1.0 {
+                let middle = (0.5 * (n + below)).floor();
+                if keeps(middle) {
+                    n = middle;
+                } else {
+                    below = middle;
+                }
+            }
+            Some(n)
+        };
+        let mut m = fewest(&|m| self.deviation(MAX_CELLS, m) <= tol, least[1])?;
+        let mut best: Option<(f64, [f64; 2])> = None;
+        while let Some(n) = fewest(&|n| self.deviation(n, m) <= tol, least[0]) {
+            let shape = (n / (m * self.aspect)).ln().abs();
+            let cost = n * m * (1.0 + SHAPE * shape);
+            if best.is_none_or(|(c, _)| cost < c) {
+                best = Some((cost, [n, m]));
+            }
+            m = (m * STEP).ceil().max(m + 1.0);
+            if n <= least[0] || m > MAX_CELLS {
+                break;
+            }
         }
-        let swapped = self.exchanged();
-        let along_u = |m: f64| {
-            self.along_u(m.max(least[1]), tol)
-                .map(|n| [n, m.max(least[1])])
-        };
-        let along_v = |n: f64| {
-            swapped
-                .along_u(n.max(least[0]), tol)
-                .map(|m| [n.max(least[0]), m])
-        };
-        // With n = ρ m the bound is (uu/ρ² + uv/ρ + vv)/m².
-        let ratio = |rho: f64| {
-            let m = ((self.uu / (rho * rho) + self.uv / rho + self.vv) / tol).sqrt();
-            along_u(m.ceil().clamp(1.0, MAX_CELLS))
-        };
-        let best = (self.uu / self.vv).sqrt();
-        let balanced = (best.is_finite() && best > 0.0)
-            .then(|| ratio(best))
-            .flatten();
-        [along_u(1.0), along_v(1.0), balanced, ratio(self.aspect)]
-            .into_iter()
-            .flatten()
-            .map(|[n, m]| [n.max(least[0]), m.max(least[1])])
-            .min_by(|a, b| (a[0] * a[1]).total_cmp(&(b[0] * b[1])))
+        best.map(|(_, cells)| cells)
     }
 }
 
@@ -149,23 +155,29 @@ pub(super) fn sampled(surface: &dyn Surface, uv: [Interval; 2]) -> Option<Vec<Bo
 mod tests {
     use super::*;
 
+    fn bend(across: [f64; 3], within: [f64; 2]) -> Bend {
+        Bend {
+            across,
+            within,
+            slope: 0.1,
+            aspect: 1.0,
+            grain: [0.0; 2],
+            normal: None,
+        }
+    }
+
     #[test]
     fn grids_keep_the_bound_and_are_small() {
-        for (uu, uv, vv) in [
-            (1.0, 0.0, 0.0),
-            (0.0, 0.0, 1.0),
-            (0.0, 1.0, 0.0),
-            (1.0, 0.5, 2.0),
-            (1e3, 1.0, 1e-6),
-            (0.0, 0.0, 0.0),
+        for [uu, uv, vv] in [
+            [1.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0],
+            [0.0, 1.0, 0.0],
+            [1.0, 0.5, 2.0],
+            [1e3, 1.0, 1e-6],
+            [0.0, 0.0, 0.0],
         ] {
             for tol in [1e-1, 1e-3, 1e-6] {
-                let bend = Bend {
-                    uu,
-                    uv,
-                    vv,
-                    aspect: 1.0,
-                };
+                let bend = bend([uu, uv, vv], [0.0; 2]);
                 let [n, m] = bend.cells(tol, [1.0, 1.0]).expect("finite");
                 assert!(bend.deviation(n, m) <= tol);
                 // The continuous optimum is (2 √(uu vv) + uv) / tol cells, or a strip.
@@ -177,12 +189,13 @@ mod tests {
                 );
             }
         }
-        let cylinder = Bend {
-            uu: 1.0,
-            uv: 0.0,
-            vv: 0.0,
-            aspect: 1.0,
-        };
+        let cylinder = bend([1.0, 0.0, 0.0], [0.0; 2]);
         assert_eq!(cylinder.cells(1.001e-4, [4.0, 1.0]), Some([100.0, 1.0]));
+        let sector = bend([0.0; 3], [0.0, 1.0]);
+        assert_eq!(sector.cells(1.006e-4, [1.0, 1.0]), Some([1.0, 100.0]));
+        let torn = bend([f64::INFINITY, 0.0, 0.0], [0.0; 2]);
+        assert_eq!(torn.cells(1.0, [1.0, 1.0]), None);
+        let unknown = bend([f64::NAN, 0.0, 0.0], [0.0; 2]);
+        assert_eq!(unknown.cells(1.0, [1.0, 1.0]), None);
     }
 }

@@ -5,9 +5,11 @@
 
 use super::bound::{Bend, sampled};
 use super::options::MeshError;
+use super::slide::slide;
 use crate::breaks::Breaks;
 use crate::interval::Interval;
 use crate::surface::{Dir, Surface};
+use glam::DVec3;
 
 /// The deepest bisection along one direction; deeper leaves would be as small as the rounding of parameters.
 const MAX_DEPTH: u32 = 30;
@@ -19,7 +21,9 @@ const GAIN: f64 = 0.8;
 /// How many bisections one direction may be ahead of the other while nothing can be proven.
 const THIN: u32 = 4;
 /// A leaf with so few cells is not split.
-const FEW: f64 = 1.0;
+const FEW: f64 = 2.0;
+/// A part with so few cells says no more about what smaller parts would save.
+const PROBED: f64 = 8.0;
 
 /// A dyadic part of a block along one direction, cut into equal cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +91,8 @@ pub(super) struct Leaf {
     /// The block along u and v.
     pub(super) block: [usize; 2],
     pub(super) parts: [Part; 2],
+    /// The normal around which its triangles must be counter-clockwise, where the bound needs that.
+    pub(super) normal: Option<DVec3>,
 }
 
 /// The division of one surface.
@@ -119,6 +125,8 @@ pub(super) struct Demand {
     pub(super) least: [f64; 2],
     /// The largest number of triangles.
     pub(super) max: usize,
+    /// True if only partners with the same parameters may be compared, so that the triangles may turn anyhow.
+    pub(super) plain: bool,
 }
 
 /// What is known about a leaf.
@@ -129,6 +137,7 @@ struct Verdict {
     /// The size of the piece of surface.
     size: f64,
     proven: bool,
+    normal: Option<DVec3>,
 }
 
 impl Verdict {
@@ -156,18 +165,30 @@ fn judge(surface: &dyn Surface, leaf: &Leaf, uv: [Interval; 2], demand: &Demand)
             deviation: size,
             size,
             proven,
+            normal: None,
         };
     }
-    let found = jet.and_then(|jet| {
-        let bend = Bend::new(&jet, uv.map(Interval::width));
-        let cells = bend.cells(demand.tol, least)?;
-        Some((cells, bend.deviation(cells[0], cells[1])))
-    });
+    let grid = |bend: Bend| Some((bend.cells(demand.tol, least)?, bend));
+    let cells = |found: &Option<([f64; 2], Bend)>| found.map_or(f64::INFINITY, |([n, m], _)| n * m);
+    let mut found = None;
+    if let Some(jet) = jet {
+        let plain = Bend::new(&jet, uv);
+        found = grid(plain);
+        // The sharper bound is worth its enclosures if it could save cells.
+        if proven && !demand.plain && cells(&found) > FEW {
+            let worth = |bend: &Bend| cells(&grid(*bend)) < cells(&found);
+            let sharper = slide(surface, uv, &jet, &plain, worth).and_then(grid);
+            if cells(&sharper) < cells(&found) {
+                found = sharper;
+            }
+        }
+    }
     Verdict {
-        cells: found.map(|f| f.0),
-        deviation: found.map_or(f64::INFINITY, |f| f.1),
+        cells: found.map(|(cells, _)| cells),
+        deviation: found.map_or(f64::INFINITY, |([n, m], bend)| bend.deviation(n, m)),
         size,
         proven,
+        normal: found.and_then(|(_, bend)| bend.normal),
     }
 }
 
@@ -209,6 +230,7 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
             let whole = Leaf {
                 block: [bu, bv],
                 parts: [Part::WHOLE; 2],
+                normal: None,
             };
             let verdict = judge(surface, &whole, range(&out.blocks, &whole), demand);
             let mut stack = vec![(whole, verdict)];
@@ -239,7 +261,12 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
                     n: n[d] as usize,
                     ..leaf.parts[d]
                 });
-                out.leaves.push(Leaf { parts, ..leaf });
+                let normal = verdict.normal;
+                out.leaves.push(Leaf {
+                    parts,
+                    normal,
+                    ..leaf
+                });
             }
         }
     }
@@ -270,8 +297,8 @@ fn split(
     if verdict.cells.is_none() && can == [true; 2] {
         // Nothing is known yet: the direction that samples say is bent more, but no very thin leaves.
         let [du, dv] = [0, 1].map(|d| leaf.parts[d].depth);
-        let bent_u = sampled(surface, uv(leaf))
-            .is_none_or(|jet| Bend::new(&jet, uv(leaf).map(Interval::width)).is_along_u());
+        let bent_u =
+            sampled(surface, uv(leaf)).is_none_or(|jet| Bend::new(&jet, uv(leaf)).is_along_u());
         let d = usize::from(du >= dv + THIN || (!bent_u && dv < du + THIN));
         let [a, b] = leaf.parts[d].halves().map(|part| {
             let mut l = *leaf;
@@ -304,5 +331,36 @@ fn split(
         }
     }
     let (cost, _, _, halves) = best?;
-    (verdict.cells.is_none() || cost <= GAIN * verdict.cost()).then_some(halves)
+    (verdict.cells.is_none()
+        || cost <= GAIN * verdict.cost()
+        || promises(surface, leaf, verdict, blocks, demand))
+    .then_some(halves)
+}
+
+/// True if smaller parts, one on the way down, have so few cells for their size that splitting is likely worth it
+/// although one split is not: where the second derivatives of a large piece vary in all its parts alike.
+fn promises(
+    surface: &dyn Surface,
+    leaf: &Leaf,
+    verdict: &Verdict,
+    blocks: &[Vec<Interval>; 2],
+    demand: &Demand,
+) -> bool {
+    let (mut leaf, mut at) = (*leaf, *verdict);
+    let mut parts = 1.0;
+    while let Some([n, m]) = at.cells.filter(|_| at.cost() > PROBED) {
+        let d = usize::from(m > n);
+        if !leaf.parts[d].can_split(blocks[d][leaf.block[d]]) {
+            return false;
+        }
+        // Lower and upper halves in turn: parts from all over the piece.
+        leaf.parts[d] = leaf.parts[d].halves()[usize::from(leaf.parts[d].depth.is_multiple_of(2))];
+        let uv = [0, 1].map(|d| leaf.parts[d].range(blocks[d][leaf.block[d]]));
+        at = judge(surface, &leaf, uv, demand);
+        parts *= 2.0;
+        if parts * at.cost() <= GAIN * verdict.cost() {
+            return true;
+        }
+    }
+    false
 }

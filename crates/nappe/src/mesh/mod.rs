@@ -25,6 +25,7 @@ mod lines;
 mod options;
 mod patch;
 pub(crate) mod shared;
+mod slide;
 mod stitch;
 mod zip;
 
@@ -147,96 +148,150 @@ pub fn mesh(surfaces: &[SurfaceRef], options: &MeshOptions) -> Result<Mesh, Mesh
     if !(0.0..=LARGEST_WELD * tol).contains(&weld) {
         return Err(MeshError::Weld { weld, tol });
     }
-    let report = |done: usize| {
-        if let Some(progress) = &options.progress {
-            progress(done as f64 / (2 * surfaces.len()).max(1) as f64);
-        }
-    };
-
     let weld = weld.max(2.0 * rounding.iter().fold(0.0f64, |a, &b| a.max(b)));
-    let shared = shared::find(surfaces, weld);
-    let mut layouts: Vec<Layout> = Vec::with_capacity(surfaces.len());
-    let mut left = options.max_triangles.min(MOST);
-    for (i, s) in surfaces.iter().enumerate() {
-        let reserve = if shared.touches(i) { 2.0 * weld } else { 0.0 };
-        let demand = Demand {
-            surface: i,
-            tol: tol - rounding[i] - reserve,
-            least: shared.least_cells(i),
-            max: left,
-        };
-        let done = layout(s.as_ref(), &demand).map_err(|e| match e {
-            MeshError::TooMany { needed, .. } => MeshError::TooMany {
-                needed: needed + (options.max_triangles - left) as f64,
-                max: options.max_triangles,
-            },
-            other => other,
-        })?;
-        left = left.saturating_sub(done.triangles());
-        layouts.push(done);
-        report(i + 1);
+    let task = Task {
+        surfaces,
+        options,
+        tol,
+        weld,
+        rounding,
+        shared: shared::find(surfaces, weld),
+    };
+    let mut plain = vec![false; surfaces.len()];
+    loop {
+        // Each time one surface more is plain, so this ends; nearly always at once.
+        if let Some(mesh) = task.attempt(&mut plain)? {
+            return Ok(mesh);
+        }
+    }
+}
+
+/// What is to be meshed.
+struct Task<'a> {
+    surfaces: &'a [SurfaceRef],
+    options: &'a MeshOptions,
+    tol: f64,
+    weld: f64,
+    rounding: Vec<f64>,
+    shared: shared::Shared,
+}
+
+impl Task<'_> {
+    fn report(&self, done: usize) {
+        if let Some(progress) = &self.options.progress {
+            progress(done as f64 / (2 * self.surfaces.len()).max(1) as f64);
+        }
     }
 
-    let mut lines: Vec<Lines> = layouts.iter().map(Lines::new).collect();
-    let mut points = Vec::new();
-    let mut borders = stitch::stitch(surfaces, &shared, weld, &mut lines, &mut points);
-    for (i, layout) in layouts.iter().enumerate() {
-        for edge in collapsed(surfaces[i].as_ref(), layout, weld) {
-            let end = |t| borders[i].get(&lines::key(edge.uv(t))).copied();
-            if let (Some(a), Some(b)) = (end(edge.range.lo), end(edge.range.hi)) {
-                let same = borders.iter_mut().flat_map(HashMap::values_mut);
-                same.filter(|id| **id == b).for_each(|id| *id = a);
+    fn layouts(&self, plain: &[bool]) -> Result<Vec<Layout>, MeshError> {
+        let max = self.options.max_triangles;
+        let mut layouts: Vec<Layout> = Vec::with_capacity(self.surfaces.len());
+        let mut left = max.min(MOST);
+        for (i, s) in self.surfaces.iter().enumerate() {
+            let reserve = if self.shared.touches(i) {
+                2.0 * self.weld
+            } else {
+                0.0
+            };
+            let demand = Demand {
+                surface: i,
+                tol: self.tol - self.rounding[i] - reserve,
+                least: self.shared.least_cells(i),
+                max: left,
+                plain: plain[i],
+            };
+            let done = layout(s.as_ref(), &demand).map_err(|e| match e {
+                MeshError::TooMany { needed, .. } => MeshError::TooMany {
+                    needed: needed + (max - left) as f64,
+                    max,
+                },
+                other => other,
+            })?;
+            left = left.saturating_sub(done.triangles());
+            layouts.push(done);
+            self.report(i + 1);
+        }
+        Ok(layouts)
+    }
+
+    /// A mesh, with the plain bound for the surfaces marked so; `None` if a triangle of another surface was turned over,
+    /// which is marked then.
+    fn attempt(&self, plain: &mut [bool]) -> Result<Option<Mesh>, MeshError> {
+        let Task {
+            surfaces,
+            tol,
+            weld,
+            ..
+        } = *self;
+        let layouts = self.layouts(plain)?;
+        let mut lines: Vec<Lines> = layouts.iter().map(Lines::new).collect();
+        let mut points = Vec::new();
+        let mut borders = stitch::stitch(surfaces, &self.shared, weld, &mut lines, &mut points);
+        for (i, layout) in layouts.iter().enumerate() {
+            for edge in collapsed(surfaces[i].as_ref(), layout, weld) {
+                let end = |t| borders[i].get(&lines::key(edge.uv(t))).copied();
+                if let (Some(a), Some(b)) = (end(edge.range.lo), end(edge.range.hi)) {
+                    let same = borders.iter_mut().flat_map(HashMap::values_mut);
+                    same.filter(|id| **id == b).for_each(|id| *id = a);
+                }
             }
         }
-    }
-    let mut patches = Vec::with_capacity(surfaces.len());
-    for (i, border) in borders.into_iter().enumerate() {
-        let layout = &layouts[i];
-        let mut builder = Builder {
-            index: i,
-            surface: surfaces[i].as_ref(),
-            layout,
-            lines: &lines[i],
-            collapsed: collapsed(surfaces[i].as_ref(), layout, weld)
-                .into_iter()
-                .map(|edge| Collapsed {
-                    across: lines::index(edge.side.across()),
-                    at: edge.at,
-                    point: border.get(&lines::key(edge.uv(edge.range.lo))).copied(),
-                })
-                .collect(),
-            on_lines: border,
-            points: &mut points,
-            vertex_of: HashMap::new(),
-            patch: MeshPatch {
-                vertices: Vec::new(),
-                triangles: Vec::new(),
-                deviation: Certainty::Exact,
-            },
-            gap: 0.0,
-        };
-        builder.run()?;
-        let (mut patch, gap) = (builder.patch, builder.gap);
-        if patch.triangles.is_empty() {
-            return Err(MeshError::Collapsed { surface: i, weld });
+        let mut again = false;
+        let mut patches = Vec::with_capacity(surfaces.len());
+        for (i, border) in borders.into_iter().enumerate() {
+            let layout = &layouts[i];
+            let mut builder = Builder {
+                index: i,
+                surface: surfaces[i].as_ref(),
+                layout,
+                lines: &lines[i],
+                collapsed: collapsed(surfaces[i].as_ref(), layout, weld)
+                    .into_iter()
+                    .map(|edge| Collapsed {
+                        across: lines::index(edge.side.across()),
+                        at: edge.at,
+                        point: border.get(&lines::key(edge.uv(edge.range.lo))).copied(),
+                    })
+                    .collect(),
+                on_lines: border,
+                points: &mut points,
+                vertex_of: HashMap::new(),
+                patch: MeshPatch {
+                    vertices: Vec::new(),
+                    triangles: Vec::new(),
+                    deviation: Certainty::Exact,
+                },
+                gap: 0.0,
+                rounding: self.rounding[i],
+                turned_over: false,
+            };
+            builder.run()?;
+            if builder.turned_over {
+                plain[i] = true;
+                again = true;
+            }
+            let (mut patch, gap) = (builder.patch, builder.gap);
+            if patch.triangles.is_empty() {
+                return Err(MeshError::Collapsed { surface: i, weld });
+            }
+            let deviation = layout.deviation + gap + self.rounding[i];
+            if deviation > tol && layout.proven {
+                return Err(MeshError::Gap {
+                    surface: i,
+                    deviation,
+                    tol,
+                });
+            }
+            patch.deviation = if layout.proven {
+                Certainty::Bounded(deviation)
+            } else {
+                Certainty::Estimated(deviation)
+            };
+            patches.push(patch);
+            self.report(surfaces.len() + i + 1);
         }
-        let deviation = layout.deviation + gap + rounding[i];
-        if deviation > tol && layout.proven {
-            return Err(MeshError::Gap {
-                surface: i,
-                deviation,
-                tol,
-            });
-        }
-        patch.deviation = if layout.proven {
-            Certainty::Bounded(deviation)
-        } else {
-            Certainty::Estimated(deviation)
-        };
-        patches.push(patch);
-        report(surfaces.len() + i + 1);
+        Ok((!again).then_some(Mesh { points, patches }))
     }
-    Ok(Mesh { points, patches })
 }
 
 /// The lines along which the surface is one point: sides, and corner lines inside where a profile meets its axis.

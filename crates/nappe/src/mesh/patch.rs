@@ -7,6 +7,7 @@
 use super::layout::{Layout, Leaf};
 use super::lines::{Key, Lines, key};
 use super::options::MeshError;
+use super::slide::is_turned;
 use super::zip::Cell;
 use super::{MeshPatch, MeshVertex};
 use crate::breaks::Limit;
@@ -53,6 +54,10 @@ pub(super) struct Builder<'a> {
     pub(super) patch: MeshPatch,
     /// The largest distance of a vertex' point from the surface.
     pub(super) gap: f64,
+    /// The rounding errors of points.
+    pub(super) rounding: f64,
+    /// True if a triangle turned out clockwise where the bound needs it counter-clockwise.
+    pub(super) turned_over: bool,
 }
 
 /// What is known about the leaf being worked on.
@@ -60,6 +65,8 @@ struct Place {
     block: [usize; 2],
     range: [Interval; 2],
     middle: [f64; 2],
+    /// The normal around which the triangles must be counter-clockwise, if any.
+    normal: Option<DVec3>,
 }
 
 impl Builder<'_> {
@@ -82,6 +89,7 @@ impl Builder<'_> {
             block: leaf.block,
             range,
             middle: [0.5 * (us[0] + us[n]), 0.5 * (vs[0] + vs[m])],
+            normal: leaf.normal,
         };
         let mut grid = vec![DVec3::ZERO; us.len() * vs.len()];
         self.surface.grid(&us, &vs, &mut grid);
@@ -131,7 +139,15 @@ impl Builder<'_> {
                     east: &chain[3],
                 };
                 let mut triangles = Vec::with_capacity(2);
-                cell.triangles(|t| self.quality(t, poles), |t| triangles.push(t));
+                cell.triangles(|t| self.quality(&place, t, poles), |t| triangles.push(t));
+                // Those of a cell without further vertices have edges along u and v.
+                let further = chain.iter().any(|c| c.len() > 2);
+                if let Some(normal) = place.normal.filter(|_| further) {
+                    self.turned_over |= !triangles.iter().all(|t| {
+                        let p = t.map(|v| self.surface.point(self.uv_of(v, poles)));
+                        is_turned(p, normal, self.rounding)
+                    });
+                }
                 for t in triangles {
                     self.add_triangle(&place, t, poles);
                 }
@@ -208,8 +224,16 @@ impl Builder<'_> {
         }
     }
 
-    /// Twice the area over the square of the longest edge.
-    fn quality(&self, t: [u32; 3], poles: &[Pole]) -> f64 {
+    fn uv_of(&self, vertex: u32, poles: &[Pole]) -> [f64; 2] {
+        if vertex & POLE == 0 {
+            self.patch.vertices[vertex as usize].uv
+        } else {
+            poles[(vertex & !POLE) as usize].uv
+        }
+    }
+
+    /// Twice the area over the square of the longest edge, negative if the triangle must turn the other way.
+    fn quality(&self, place: &Place, t: [u32; 3], poles: &[Pole]) -> f64 {
         let [a, b, c] = t.map(|v| self.points[self.point_of(v, poles) as usize]);
         let (x, y) = (b - a, c - a);
         let longest = x
@@ -217,7 +241,8 @@ impl Builder<'_> {
             .max(y.length_squared())
             .max(c.distance_squared(b));
         if longest > 0.0 {
-            x.cross(y).length() / longest
+            let area = x.cross(y);
+            place.normal.map_or(area.length(), |n| n.dot(area)) / longest
         } else {
             0.0
         }
@@ -235,14 +260,8 @@ impl Builder<'_> {
             let pole = poles[(t[k] & !POLE) as usize];
             let mut uv = pole.uv;
             let others = [t[(k + 1) % 3], t[(k + 2) % 3]];
-            let at = |v: u32| {
-                if v & POLE == 0 {
-                    self.patch.vertices[v as usize].uv
-                } else {
-                    poles[(v & !POLE) as usize].uv
-                }
-            };
-            uv[pole.along] = 0.5 * (at(others[0])[pole.along] + at(others[1])[pole.along]);
+            let at = others.map(|v| self.uv_of(v, poles)[pole.along]);
+            uv[pole.along] = 0.5 * (at[0] + at[1]);
             t[k] = self.add_vertex(place, uv, pole.point);
         }
         self.patch.triangles.push(t);

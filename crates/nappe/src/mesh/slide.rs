@@ -1,0 +1,133 @@
+//! How far triangles are from the surface when sliding within it costs nothing.
+//!
+//! Let `B` be a rectangle of parameters cut into cells of size `Δu × Δv`, `L` the function linear on each triangle that
+//! agrees with the surface `r` at the corners, all of which lie in one cell each, and `e = L - r`. Let `n` be a unit
+//! vector, `π` the projection along it onto a plane, `f = π∘r`, `g = π∘L`, and `N = {a × b : a ∈ A, b ∈ B'}` for convex
+//! sets `A ∋ r_u`, `B' ∋ r_v` over `B`. Suppose
+//!
+//! 1. `N·n > 0` for all these products, and
+//! 2. every triangle is counter-clockwise around `n` after projection.
+//!
+//! **Theorem.** The two-sided Hausdorff distance between `r(B)` and `L(B)` is at most `√((ε + σδ)² + δ²)` with
+//!
+//! - `ε = ⅛ (sup|N·r_uu| Δu² + 2 sup|N·r_uv| Δu Δv + sup|N·r_vv| Δv²) / inf N·n`,
+//! - `σ = sup |πN| / inf N·n`, the greatest slope,
+//! - `δ` the greatest distance within the plane between the projected sides of `B` and their chords.
+//!
+//! *Proof.* (a) For `p, p'` in `B` the vector `w = r(p') - r(p)` is `a du + b dv` with `a ∈ A`, `b ∈ B'`, the means of
+//! the derivatives over the segment; so it is orthogonal to `N = a × b`. If `f(p) = f(p')` then `w ∥ n`, so `w·N = 0`
+//! gives `w = 0`, and as `a`, `b` are independent `p = p'`: `f` is injective, `f(B)` is the closed inside of the curve
+//! `f(∂B)`, and its degree is 1 inside and 0 outside.
+//!
+//! (b) Each piece of `f(∂B)` over a chord goes to the chord along segments no longer than `δ`. Let the tube be the union
+//! of these segments. Each of its points is within `δ` of `f(∂B)` and of `g(∂B)`. The movement is a homotopy (moving on
+//! along the chord itself to the linear parametrisation stays in `g(∂B)`), so at a point outside the tube `f` and `g`
+//! have the same degree.
+//!
+//! (c) From the mesh to the surface: let `q = L(p)`, `y = π q`. If `y` is outside the tube then it lies in `f(B)`: the
+//! degree of `g` there is positive, as all triangles have one orientation (if `y` lies on an edge, take a point close
+//! by). So there is `p'` with `|f(p') - y| ≤ δ` in any case. With `w = r(p') - r(p)`, `N` as in (a): `q - r(p') = e - w
+//! = t n + τ`, `|τ| ≤ δ`, and `N·w = 0` gives `t N·n = N·e - N·τ`, `|t| ≤ |N·e| / N·n + σδ`. The theorem in `bound`
+//! for the component along the fixed vector `N` bounds `|N·e|`.
+//!
+//! (d) From the surface to the mesh: let `y = f(p)`. If `y` is not in `g(B)` then the degree of `g` there is 0 and that
+//! of `f` is 1 (or `y` lies on `f(∂B)`), so `y` is in the tube. So there is `p'` with `|g(p') - y| ≤ δ` in any case, and
+//! `L(p') - r(p) = e(p') + w` is bounded as before. ∎
+//!
+//! Condition 2 follows from 1 for triangles with two sides along u and v: their edges are `a du` and `b dv`. It is
+//! checked for the others when they are made. Over a part of a side of length `Δ`, the curve `c = π r` leaves its chord
+//! by at most `⅛ sup(|c' × c''| / |c'|) Δ²` across it, and not beyond its ends if `c'(s)·c'(t) > 0` for all `s, t`: the
+//! chord is `Δ` times a mean of `c'`, and the distance from it a function of one variable that vanishes at both ends. A
+//! straight side costs nothing, however uneven its parameter.
+
+use super::bound::{Bend, ROUND_UP};
+use crate::box3::Box3;
+use crate::interval::Interval;
+use crate::surface::Surface;
+use glam::{DMat3, DVec3};
+
+/// A plane across which the surface is not steeper than this is used; a steeper one never gives a better bound.
+const STEEP: f64 = 4.0;
+
+/// The bound for one rectangle; `None` if condition 1 cannot be shown, or if it is not worth the enclosures of the sides
+/// even if these turn out to be straight.
+pub(super) fn slide(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    jet: &[Box3],
+    plain: &Bend,
+    worth: impl Fn(&Bend) -> bool,
+) -> Option<Bend> {
+    let (a, b) = (jet[1].mid(), jet[2].mid());
+    let normal = a.cross(b).try_normalize()?;
+    let first = a.try_normalize()?;
+    // Rows: along u, across it in the plane, along the normal.
+    let turn = DMat3::from_cols(first, normal.cross(first).normalize(), normal).transpose();
+    let turned =
+        |jet: &[Box3]| -> Vec<Box3> { jet.iter().map(|b| b.linear_image(&turn)).collect() };
+    let d = turned(jet);
+    let across = d[1].cross(d[2]);
+    let least = across.z.lo;
+    if !(least > 0.0 && across.is_finite()) {
+        return None;
+    }
+    let slope = plane(across).norm().hi / least;
+    if slope > STEEP {
+        return None;
+    }
+    let [du, dv] = uv.map(Interval::width);
+    let part = |k: usize| across.dot(d[k]).mag() / least;
+    let side = |dir: usize, at: f64| {
+        let mut line = uv;
+        line[1 - dir] = Interval::point(at);
+        let d = turned(&surface.enclose(line, 2));
+        let size = uv[dir].width();
+        0.125 * leave(plane(d[1 + dir]), plane(d[[3, 5][dir]])) * size * size * ROUND_UP
+    };
+    let straight = Bend {
+        across: [
+            0.125 * part(3) * du * du * ROUND_UP,
+            0.25 * part(4) * du * dv * ROUND_UP,
+            0.125 * part(5) * dv * dv * ROUND_UP,
+        ],
+        slope: slope * ROUND_UP,
+        normal: Some(normal),
+        ..*plain
+    };
+    worth(&straight).then(|| Bend {
+        within: [0, 1].map(|dir| {
+            let ends = uv[1 - dir];
+            side(dir, ends.lo).max(side(dir, ends.hi))
+        }),
+        ..straight
+    })
+}
+
+/// The part within the plane.
+fn plane(b: Box3) -> Box3 {
+    Box3 {
+        z: Interval::ZERO,
+        ..b
+    }
+}
+
+/// `sup |c' × c''| / |c'|` for a curve in the plane, or `sup |c''|` if it may turn back.
+fn leave(first: Box3, second: Box3) -> f64 {
+    let length = first.norm().lo;
+    // The mean of two vectors of the box is in the box.
+    let forward = first.dot(first).lo > 0.0;
+    let bent = second.norm().hi;
+    if forward && length > 0.0 {
+        (first.cross(second).z.mag() / length).min(bent)
+    } else {
+        bent
+    }
+}
+
+/// True if a triangle is surely counter-clockwise around the normal, for points that are `rounding` away at most.
+pub(super) fn is_turned([a, b, c]: [DVec3; 3], normal: DVec3, rounding: f64) -> bool {
+    let (x, y) = (b - a, c - a);
+    // Each corner moved changes the area by the length of the opposite edge, and by what moves with it.
+    let margin = 4.0 * rounding * (x.length() + y.length() + rounding);
+    normal.dot(x.cross(y)) > margin
+}
