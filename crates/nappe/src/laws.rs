@@ -72,14 +72,16 @@ fn magnitude(b: &Box3) -> f64 {
     if m.is_finite() { m } else { 0.0 }
 }
 
-/// Parts along each direction whose boxes together give the size: rational kinds cannot bound themselves at one go,
-/// since the enclosure of a denominator over the whole domain may contain zero.
-const PARTS: usize = 16;
+/// Parts of a curve whose boxes together give the size: rational kinds cannot bound themselves at one go, since the
+/// enclosure of a denominator over the whole domain may contain zero.
+const PARTS: usize = 256;
+/// Likewise along each direction of a surface, where they cost their square.
+const PARTS_OF_SURFACE: usize = 16;
 
-/// The k-th part of a domain.
-fn part(domain: Interval, k: usize) -> Interval {
-    let at = |k: usize| domain.lo + (domain.hi - domain.lo) * (k as f64 / PARTS as f64);
-    Interval::new(at(k), if k + 1 == PARTS { domain.hi } else { at(k + 1) })
+/// The k-th of `parts` parts of a domain.
+fn part(domain: Interval, k: usize, parts: usize) -> Interval {
+    let at = |k: usize| domain.lo + (domain.hi - domain.lo) * (k as f64 / parts as f64);
+    Interval::new(at(k), if k + 1 == parts { domain.hi } else { at(k + 1) })
 }
 
 /// Checks every law on a curve with 10³ random intervals.
@@ -96,7 +98,7 @@ pub fn curve_with(c: &dyn Curve, boxes: usize) {
     );
     let domain = c.domain();
     let bounds = (0..PARTS)
-        .map(|k| c.bounds(part(domain, k)))
+        .map(|k| c.bounds(part(domain, k, PARTS)))
         .reduce(Box3::hull)
         .unwrap_or(Box3::ENTIRE);
     assert!(
@@ -258,8 +260,9 @@ pub fn surface_with(s: &dyn Surface, boxes: usize) {
             "breaks increase: {b:?}"
         );
     }
-    let bounds = (0..PARTS * PARTS)
-        .map(|k| s.bounds([part(domain[0], k / PARTS), part(domain[1], k % PARTS)]))
+    let n = PARTS_OF_SURFACE;
+    let bounds = (0..n * n)
+        .map(|k| s.bounds([part(domain[0], k / n, n), part(domain[1], k % n, n)]))
         .reduce(Box3::hull)
         .unwrap_or(Box3::ENTIRE);
     assert!(
