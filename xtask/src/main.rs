@@ -89,7 +89,7 @@ fn test(rest: &[String]) -> Outcome {
         command.env(SEED, "20261122");
     }
     run(command
-        .env("PROPTEST_FAILURE_PERSISTENCE", "off")
+        .env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "1")
         .args(rest))
 }
 
