@@ -5,6 +5,7 @@ mod cli;
 mod commands;
 mod eval;
 mod failure;
+mod fault;
 mod model;
 mod output;
 mod scene;

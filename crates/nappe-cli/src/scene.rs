@@ -1,14 +1,16 @@
 //! What a model puts out, as the writers and the picture want it.
 
-use crate::failure::{Failure, Problem};
+use crate::failure::Failure;
+use crate::fault;
 use crate::screen::Screen;
 use nappe::exact::{ApproximationError, to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
 use nappe::measure::curvature;
-use nappe::mesh::{Mesh, MeshError, MeshOptions, MeshPatch, flatten, mesh};
+use nappe::mesh::{Mesh, MeshOptions, MeshPatch, flatten, mesh};
 use nappe::surface::{Normal, SurfaceRef, normal_at};
 use nappe::{Interval, Limit};
 use nappe_exchange::{Exact, ExactForm, Field, Part, Polyline, Scene, Units};
-use nappe_model::{Model, NamedSurface};
+use nappe_model::Model;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The share of the box's diagonal that a mesh may be away from the surfaces if nothing else is said.
@@ -54,9 +56,13 @@ pub(crate) fn share_of_size(model: &Model, share: f64) -> f64 {
 }
 
 /// The mesh of everything that the model puts out.
-fn meshed(model: &Model, tolerance: f64, screen: &Screen) -> Result<Mesh, Failure> {
-    let surfaces: Vec<&NamedSurface> = model.output().collect();
-    let geometry: Vec<SurfaceRef> = surfaces.iter().map(|s| s.surface.clone()).collect();
+fn meshed(
+    model: &Model,
+    tolerance: f64,
+    asked: Option<f64>,
+    screen: &Screen,
+) -> Result<Mesh, Failure> {
+    let geometry: Vec<SurfaceRef> = model.output().map(|s| s.surface.clone()).collect();
     let progress = screen.progress("Meshing");
     let bar = progress.clone();
     let options = MeshOptions {
@@ -66,40 +72,24 @@ fn meshed(model: &Model, tolerance: f64, screen: &Screen) -> Result<Mesh, Failur
     };
     let made = mesh(&geometry, &options);
     progress.finish();
-    made.map_err(|e| mesh_problem(&e, &surfaces).into())
-}
-
-/// The kernel counts surfaces; people name them.
-fn mesh_problem(e: &MeshError, surfaces: &[&NamedSurface]) -> Problem {
-    let text = e.to_string();
-    for (i, s) in surfaces.iter().enumerate() {
-        let counted = format!("surface {i} ");
-        let counted_colon = format!("surface {i}:");
-        if let Some(rest) = text.strip_prefix(&counted) {
-            return Problem::new(format!("the surface `{}` {rest}", s.name));
-        }
-        if let Some(rest) = text.strip_prefix(&counted_colon) {
-            return Problem::new(format!("the surface `{}`:{rest}", s.name));
-        }
-    }
-    Problem::new(text)
+    made.map_err(|e| fault::of_mesh(model, asked, &e))
 }
 
 /// The most points of a polyline: more are not seen, and would fill the memory.
 const MOST_POINTS: usize = 1_000_000;
 
 /// The curves that the model puts out, as polylines within the tolerance of the mesh.
-fn polylines(model: &Model, tolerance: f64) -> Result<Vec<Polyline>, Failure> {
+fn polylines(model: &Model, tolerance: f64, asked: Option<f64>) -> Result<Vec<Polyline>, Failure> {
     let curves = model.curves.iter().filter(|c| !c.construction_only);
     let flat = curves.map(|c| {
         let flat = flatten(c.curve.as_ref(), tolerance, MOST_POINTS)
-            .map_err(|e| Problem::new(format!("the curve `{}`: {e}", c.name)))?;
+            .map_err(|e| fault::of_curve(model, asked, c, &e))?;
         Ok(Polyline {
             name: c.name.clone(),
             points: flat.points,
         })
     });
-    flat.collect::<Result<_, Problem>>().map_err(Failure::from)
+    flat.collect()
 }
 
 /// A scene with the model's title and units, empty.
@@ -111,26 +101,34 @@ pub(crate) fn unmeshed(model: &Model) -> Scene {
     }
 }
 
-/// A scene of the mesh of everything that the model puts out, and of its curves.
-pub(crate) fn scene(model: &Model, tolerance: f64, screen: &Screen) -> Result<Scene, Failure> {
+/// A scene of the mesh of everything that the model puts out, and of its curves. `asked` is the tolerance of the
+/// command line, for messages about it.
+pub(crate) fn scene(
+    model: &Model,
+    tolerance: f64,
+    asked: Option<f64>,
+    screen: &Screen,
+) -> Result<Scene, Failure> {
     let names = model.output().map(|s| s.name.clone());
     Ok(Scene {
-        mesh: meshed(model, tolerance, screen)?,
+        mesh: meshed(model, tolerance, asked, screen)?,
         parts: names.enumerate().map(|(i, n)| Part::new(n, i)).collect(),
-        curves: polylines(model, tolerance)?,
+        curves: polylines(model, tolerance, asked)?,
         ..unmeshed(model)
     })
 }
 
 /// The NURBS forms of everything that the model puts out: exact where there is one, else within the tolerance.
 pub(crate) fn exact(model: &Model, tolerance: f64) -> Result<Vec<Exact>, Failure> {
-    let refused = |what: &str, name: &str, e: ApproximationError| {
-        Problem::new(format!("the {what} `{name}` has no NURBS form: {e}"))
+    let refused = |what: &str, name: &str, place: &Range<usize>, e: ApproximationError| {
+        let message = format!("{what} `{name}` has no NURBS form: {e}");
+        let help = "leave it out of a .json file with construction_only = true";
+        fault::at(model, message, place, help)
     };
     let mut all = Vec::new();
     for c in model.curves.iter().filter(|c| !c.construction_only) {
         let form = to_nurbs_or_approximate_curve(c.curve.as_ref(), tolerance)
-            .map_err(|e| refused("curve", &c.name, e))?;
+            .map_err(|e| refused("curve", &c.name, &c.place, e))?;
         all.push(Exact {
             name: c.name.clone(),
             kind: c.kind.to_owned(),
@@ -140,7 +138,7 @@ pub(crate) fn exact(model: &Model, tolerance: f64) -> Result<Vec<Exact>, Failure
     }
     for s in model.output() {
         let form = to_nurbs_or_approximate(s.surface.as_ref(), tolerance)
-            .map_err(|e| refused("surface", &s.name, e))?;
+            .map_err(|e| refused("surface", &s.name, &s.place, e))?;
         all.push(Exact {
             name: s.name.clone(),
             kind: s.kind.to_owned(),

@@ -5,10 +5,10 @@ use crate::data::{CurveSource, Fields, Item, Object, SideName};
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::model::Join;
 use crate::value::Span;
-use nappe::curve::{CurveRef, Isocurve};
+use nappe::curve::{Curve, CurveRef, Isocurve};
 use nappe::expr::nearest;
-use nappe::surface::{SurfaceRef, check_not_collapsed};
-use nappe::{DVec3, Frame};
+use nappe::surface::{CollapsedError, SurfaceRef, check_not_collapsed};
+use nappe::{Breaks, DVec3, Frame, LARGEST_LENGTH};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -165,7 +165,11 @@ impl<'a> Builder<'a> {
             return Err(Stop::Depends);
         };
         self.curves.states[i] = State::Busy;
-        let result = self.inside(&object, |b| b.curve_of(&object));
+        let result = self.inside(&object, |b| {
+            let curve = b.curve_of(&object)?;
+            b.in_range(&object, curve.as_ref())?;
+            Ok(curve)
+        });
         // A cycle has marked the object as failed already.
         let failed = matches!(self.curves.states[i], State::Failed);
         self.curves.states[i] = match &result {
@@ -200,11 +204,41 @@ impl<'a> Builder<'a> {
         for p in patches {
             if let Err(e) = check_not_collapsed(p.surface.as_ref()) {
                 let key = object.fields.entries.first().map_or("", |(k, _)| *k);
-                let help = "give points or curves that span a surface";
+                let help = match e {
+                    CollapsedError::TooLarge { .. } => "use smaller numbers, or a larger unit",
+                    CollapsedError::TooSmall { .. } => "use larger numbers, or a smaller unit",
+                    CollapsedError::NotFinite { .. } => {
+                        "use numbers of a reasonable size, and formulas that are finite everywhere"
+                    }
+                    _ => "give points or curves that span a surface",
+                };
                 return Err(self.refuse(object, (key, &[]), e, help));
             }
         }
         Ok(())
+    }
+
+    /// Refuses curves whose points are beyond what the kernel computes with.
+    fn in_range(&mut self, object: &Object, curve: &dyn Curve) -> Built<()> {
+        /// Places in each piece that are looked at.
+        const PLACES: [f64; 3] = [0.0, 0.5, 1.0];
+        let breaks = curve.breaks();
+        let pieces = (0..breaks.pieces()).map(|i| breaks.piece(i));
+        let places = pieces.flat_map(|p| PLACES.map(|s| p.lo + (p.hi - p.lo) * s));
+        let far = places.map(|t| (t, curve.point(t))).find(|(_, p)| {
+            // Written so that it is true of NaN.
+            !(p.abs().max_element() <= LARGEST_LENGTH && p.is_finite())
+        });
+        let Some((t, p)) = far else {
+            return Ok(());
+        };
+        let key = object.fields.entries.first().map_or("", |(k, _)| *k);
+        let message = format!(
+            "at t = {t} the curve is at ({:e}, {:e}, {:e}); coordinates are at most ±{LARGEST_LENGTH:e}",
+            p.x, p.y, p.z
+        );
+        let help = "use smaller numbers, or a larger unit";
+        Err(self.refuse(object, (key, &[]), message, help))
     }
 
     /// Runs a part of the work as a part of an object: the path of names is kept for cycles and the depth.

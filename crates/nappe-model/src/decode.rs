@@ -623,8 +623,20 @@ impl Decoder<'_> {
                     );
                     return Err(Broken);
                 };
-                let x = self.scope.evaluate(number, 0, node, subject, self.diags)?;
-                Ok(x * factor)
+                let x = self.scope.evaluate(number, 0, node, subject, self.diags)? * factor;
+                if x.abs() <= MOST_TURNS * TAU {
+                    return Ok(x);
+                }
+                let message = format!(
+                    "the angle is {:e} turns; more than {MOST_TURNS} are not read",
+                    x / TAU
+                );
+                self.diags.push(
+                    Diagnostic::new("angle", subject.say(message))
+                        .at(node.span.clone(), "out of range")
+                        .help("write the angle without its whole turns"),
+                );
+                Err(Broken)
             }
             Value::Number(x) => {
                 self.diags.push(
@@ -641,6 +653,9 @@ impl Decoder<'_> {
         }
     }
 }
+
+/// The largest angle in turns: rounding then costs less than 1e-12 of a turn.
+const MOST_TURNS: f64 = 1000.0;
 
 /// The number of an angle and what a unit of it is in radians.
 fn split_unit(text: &str) -> Option<(&str, f64)> {

@@ -1,9 +1,6 @@
 //! What is wrong with a model file, where, and what would be right.
 
 use crate::value::Span;
-use miette::{
-    GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, Severity as MietteSeverity,
-};
 use std::fmt;
 
 /// How bad it is.
@@ -45,7 +42,7 @@ impl Diagnostic {
         Self {
             code,
             severity: Severity::Error,
-            message: message.into(),
+            message: shortened(message.into()),
             labels: Vec::new(),
             help: None,
         }
@@ -62,7 +59,7 @@ impl Diagnostic {
 
     /// Says what would be right.
     pub(crate) fn help(mut self, text: impl Into<String>) -> Self {
-        self.help = Some(text.into());
+        self.help = Some(shortened(text.into()));
         self
     }
 
@@ -71,6 +68,18 @@ impl Diagnostic {
         self.severity = Severity::Warning;
         self
     }
+}
+
+/// The most characters of a message: names and words of a file can be of any length.
+const MOST_CHARACTERS: usize = 1000;
+
+/// The text without what makes it unreadably long.
+fn shortened(mut text: String) -> String {
+    if let Some((cut, _)) = text.char_indices().nth(MOST_CHARACTERS) {
+        text.truncate(cut);
+        text.push('…');
+    }
+    text
 }
 
 /// Everything that is wrong with a file, in the order of the file.
@@ -84,21 +93,13 @@ pub struct Diagnostics {
     pub list: Vec<Diagnostic>,
     /// How many objects were not built only because they depend on one that is wrong.
     pub skipped: usize,
+    /// How many problems were found beyond those listed.
+    pub unlisted: usize,
 }
 
-/// How diagnostics are drawn.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub struct RenderStyle {
-    /// Colours (ANSI escapes).
-    pub color: bool,
-    /// Line drawing characters beyond ASCII.
-    pub unicode: bool,
-    /// The width in columns; 0 for the default of 100.
-    pub width: usize,
-}
-
-/// Columns when nothing else is said.
-const DEFAULT_WIDTH: usize = 100;
+/// The most errors, and the most warnings, that are listed: a file of a million wrong numbers would fill the memory
+/// with messages that nobody reads. The others are counted.
+const MOST_LISTED: usize = 200;
 
 impl Diagnostics {
     pub(crate) fn new(file: &str, text: &str) -> Self {
@@ -107,14 +108,22 @@ impl Diagnostics {
             text: text.into(),
             list: Vec::new(),
             skipped: 0,
+            unlisted: 0,
         }
     }
 
     pub(crate) fn push(&mut self, d: Diagnostic) {
-        // The same thing is not said twice (two keys may refer to the same broken text).
-        if !self.list.contains(&d) {
+        if self.count(d.severity) >= MOST_LISTED {
+            self.unlisted += 1;
+        } else if !self.list.contains(&d) {
+            // The same thing is not said twice (two keys may refer to the same broken text).
             self.list.push(d);
         }
+    }
+
+    /// How many are listed of one severity.
+    fn count(&self, severity: Severity) -> usize {
+        self.list.iter().filter(|d| d.severity == severity).count()
     }
 
     /// True if there is no model.
@@ -153,12 +162,7 @@ impl Diagnostics {
 
     /// The last line: how many problems, and what was not tried.
     pub fn summary(&self) -> String {
-        let errors = self
-            .list
-            .iter()
-            .filter(|d| d.severity == Severity::Error)
-            .count();
-        let warnings = self.list.len() - errors;
+        let [errors, warnings] = [Severity::Error, Severity::Warning].map(|s| self.count(s));
         let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
         let mut parts = Vec::new();
         if errors > 0 {
@@ -168,6 +172,9 @@ impl Diagnostics {
             parts.push(count(warnings, "warning"));
         }
         let mut text = parts.join(", ");
+        if self.unlisted > 0 {
+            text += &format!("; {} more are not listed", self.unlisted);
+        }
         if self.skipped > 0 {
             text += &format!(
                 "; {} not built because {} on what is wrong",
@@ -186,43 +193,8 @@ impl Diagnostics {
         text
     }
 
-    /// Draws every problem with its lines of the file, and the summary. The same input gives the same text.
-    pub fn render(&self, style: RenderStyle) -> String {
-        let theme = match (style.unicode, style.color) {
-            (true, true) => GraphicalTheme::unicode(),
-            (true, false) => GraphicalTheme::unicode_nocolor(),
-            (false, true) => GraphicalTheme::ascii(),
-            (false, false) => GraphicalTheme::none(),
-        };
-        let handler = GraphicalReportHandler::new_themed(theme)
-            .with_links(false)
-            .with_width(if style.width == 0 {
-                DEFAULT_WIDTH
-            } else {
-                style.width
-            })
-            .without_cause_chain();
-        let source = NamedSource::new(&self.file, self.text.clone());
-        let mut out = String::new();
-        for diagnostic in &self.list {
-            let report = Report {
-                diagnostic,
-                source: &source,
-                file: &self.file,
-            };
-            // Writing to a String does not fail; if the library cannot draw, the plain line remains.
-            if handler.render_report(&mut out, &report).is_err() {
-                out += &self.line(diagnostic);
-            }
-            out.push('\n');
-        }
-        out += &self.summary();
-        out.push('\n');
-        out
-    }
-
     /// One problem in one line.
-    fn line(&self, d: &Diagnostic) -> String {
+    pub(crate) fn line(&self, d: &Diagnostic) -> String {
         let help = d.help.as_ref().map_or(String::new(), |h| format!(" ({h})"));
         format!("{}: {}{help}", self.place(d), d.message)
     }
@@ -239,55 +211,3 @@ impl fmt::Display for Diagnostics {
 }
 
 impl std::error::Error for Diagnostics {}
-
-/// A problem as the drawing library wants it.
-#[derive(Debug)]
-struct Report<'a> {
-    diagnostic: &'a Diagnostic,
-    source: &'a NamedSource<String>,
-    file: &'a str,
-}
-
-impl fmt::Display for Report<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.diagnostic.labels.is_empty() {
-            write!(f, "{}: ", self.file)?;
-        }
-        write!(f, "{}", self.diagnostic.message)
-    }
-}
-
-impl std::error::Error for Report<'_> {}
-
-impl miette::Diagnostic for Report<'_> {
-    fn code<'b>(&'b self) -> Option<Box<dyn fmt::Display + 'b>> {
-        Some(Box::new(self.diagnostic.code))
-    }
-    fn severity(&self) -> Option<MietteSeverity> {
-        Some(match self.diagnostic.severity {
-            Severity::Error => MietteSeverity::Error,
-            Severity::Warning => MietteSeverity::Warning,
-        })
-    }
-    fn help<'b>(&'b self) -> Option<Box<dyn fmt::Display + 'b>> {
-        self.diagnostic
-            .help
-            .as_ref()
-            .map(|h| Box::new(h) as Box<dyn fmt::Display>)
-    }
-    fn source_code(&self) -> Option<&dyn miette::SourceCode> {
-        (!self.diagnostic.labels.is_empty()).then_some(self.source as &dyn miette::SourceCode)
-    }
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let labels = self.diagnostic.labels.iter().enumerate().map(|(i, l)| {
-            let text = (!l.text.is_empty()).then(|| l.text.clone());
-            let span = (l.span.start, l.span.end - l.span.start);
-            if i == 0 {
-                LabeledSpan::new_primary_with_span(text, span)
-            } else {
-                LabeledSpan::new_with_span(text, span)
-            }
-        });
-        Some(Box::new(labels))
-    }
-}

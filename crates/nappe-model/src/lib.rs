@@ -36,6 +36,7 @@ mod data;
 mod decode;
 mod diagnostics;
 mod diagonal_key;
+mod drawing;
 mod fillet;
 mod join;
 mod model;
@@ -49,7 +50,8 @@ mod surfaces;
 mod value;
 
 pub use checks::{Check, CheckSide, CheckTolerance, Continuity};
-pub use diagnostics::{Diagnostic, Diagnostics, Label, RenderStyle, Severity};
+pub use diagnostics::{Diagnostic, Diagnostics, Label, Severity};
+pub use drawing::RenderStyle;
 pub use model::{Join, Model, NamedCurve, NamedSurface, Units};
 pub use params::Parameter;
 pub use reader::{Overrides, load, parse};

@@ -1,11 +1,12 @@
 //! A model: what a file describes, built.
 
 use crate::checks::Check;
-use crate::diagnostics::Diagnostics;
+use crate::diagnostics::{Diagnostic, Diagnostics, Label};
 use crate::params::Parameter;
 use nappe::DVec3;
 use nappe::curve::CurveRef;
 use nappe::surface::SurfaceRef;
+use std::ops::Range;
 
 /// The unit of length of a model.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -71,6 +72,8 @@ pub struct NamedCurve {
     pub curve: CurveRef,
     /// Built for others; not put out.
     pub construction_only: bool,
+    /// Where in the file it is named.
+    pub place: Range<usize>,
 }
 
 /// A surface of a model.
@@ -89,6 +92,8 @@ pub struct NamedSurface {
     pub surface: SurfaceRef,
     /// Built for others; not put out.
     pub construction_only: bool,
+    /// Where in the file it is named.
+    pub place: Range<usize>,
     /// The control net, rows along u, if the kind is given by one.
     pub control_net: Option<Vec<Vec<DVec3>>>,
 }
@@ -111,6 +116,8 @@ pub struct Model {
     pub units: Units,
     /// The greatest distance of a mesh from the surface, in units, if given.
     pub tolerance: Option<f64>,
+    /// Where in the file the tolerance stands.
+    pub tolerance_place: Option<Range<usize>>,
     /// The parameters in the order of the file, overrides applied.
     pub params: Vec<Parameter>,
     /// All curves in the order of the file.
@@ -126,6 +133,22 @@ pub struct Model {
 }
 
 impl Model {
+    /// An error that showed only when the model was used, as it is shown: at its places in the file. `code` is the
+    /// class of the problem, a short stable name.
+    pub fn fault(
+        &self,
+        code: &'static str,
+        message: impl Into<String>,
+        labels: Vec<Label>,
+        help: impl Into<String>,
+    ) -> Diagnostics {
+        let mut all = Diagnostics::new(&self.warnings.file, &self.warnings.text);
+        let mut fault = Diagnostic::new(code, message).help(help);
+        fault.labels = labels;
+        all.push(fault);
+        all
+    }
+
     /// A surface by name.
     pub fn surface(&self, name: &str) -> Option<&NamedSurface> {
         self.surfaces.iter().find(|s| s.name == name)

@@ -3,6 +3,7 @@
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::value::{Node, Span, Table, Value};
 use crate::{MAX_PARAMETERS, Overrides};
+use nappe::LARGEST_LENGTH;
 use nappe::expr::{CONSTANTS, Expr, FUNCTIONS, nearest};
 use std::collections::HashMap;
 
@@ -145,14 +146,14 @@ impl Scope {
         })
     }
 
-    /// The value of a number or of an expression over the parameters. It is finite.
+    /// The value of a number or of an expression over the parameters. It is finite and at most [`LARGEST_LENGTH`].
     pub(crate) fn number(
         &self,
         node: &Node,
         subject: Subject<'_>,
         diags: &mut Diagnostics,
     ) -> Result<f64, Broken> {
-        match &node.value {
+        let value = match &node.value {
             Value::Number(x) if x.is_finite() => Ok(*x),
             Value::Number(x) => {
                 diags.push(
@@ -174,7 +175,18 @@ impl Scope {
                 );
                 Err(Broken)
             }
+        }?;
+        if value.abs() <= LARGEST_LENGTH {
+            return Ok(value);
         }
+        let message =
+            format!("the number is {value:e}; numbers beyond ±{LARGEST_LENGTH:e} are not read");
+        diags.push(
+            Diagnostic::new("size", subject.say(message))
+                .at(node.span.clone(), "too large")
+                .help("write a smaller number, or choose a larger unit: products of such lengths overflow"),
+        );
+        Err(Broken)
     }
 
     /// The value of an expression over the parameters.

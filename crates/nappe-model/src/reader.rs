@@ -174,6 +174,7 @@ fn read(
         kind: object.kind.name,
         curve,
         construction_only: object.construction_only,
+        place: object.fields.span.clone(),
     });
     let curves: Vec<NamedCurve> = curves.collect();
     let surfaces: Vec<NamedSurface> = builder
@@ -188,6 +189,7 @@ fn read(
                 kind: object.kind.name,
                 surface: p.surface.clone(),
                 construction_only: object.construction_only,
+                place: object.fields.span.clone(),
                 control_net: p.net.clone(),
             };
             // A join's members are in the list already.
@@ -203,6 +205,7 @@ fn read(
         title: header.title.unwrap_or_else(|| name.to_owned()),
         units: header.units,
         tolerance: header.tolerance,
+        tolerance_place: top.get("tolerance").map(|n| n.span.clone()),
         params,
         curves,
         surfaces,

@@ -78,6 +78,7 @@ mod breaks;
 mod frame;
 mod interval;
 mod linear;
+mod size;
 
 pub use box3::Box3;
 pub use breaks::{Break, Breaks, Limit, UNIT_BREAKS, merge_breaks};
@@ -87,6 +88,7 @@ pub use frame::{Frame, FrameError, cos_sin};
 pub use glam::{DAffine3, DMat3, DVec3, DVec4};
 pub use interval::Interval;
 pub use mesh::{Certainty, Mesh, MeshOptions};
+pub use size::{LARGEST_LENGTH, SMALLEST_EXTENT};
 pub use surface::{
     Contour, Coons, CoonsOptions, DiagonalKey, DiagonalKeyOptions, Dir, Fillet, FilletOptions,
     Quadric, Revolution, RevolutionOptions, Separable, Side, Surface, SurfaceRef, Torus,

@@ -50,7 +50,7 @@ impl Args {
         let mut scene = if files.iter().all(|f| f.1 == Format::Json) {
             scene::unmeshed(&model)
         } else {
-            scene::scene(&model, tolerance, screen)?
+            scene::scene(&model, tolerance, self.tolerance, screen)?
         };
         if files.iter().any(|f| f.1 == Format::Json) {
             scene.exact = scene::exact(&model, tolerance)?;

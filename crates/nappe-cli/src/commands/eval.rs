@@ -15,10 +15,14 @@ use std::path::PathBuf;
 /// --order 2 x_uu,…,x_uv,…,x_vv,…, and so on. Derivatives are exact. Every number has as many digits, 17 at most, as it
 /// takes to read back the same number.
 ///
+/// Every row is checked before anything is put out: a bad one (not a number, outside the domain, no finite value there)
+/// is told with its line and column, the first ten of them and how many more there are, and nothing is written. For
+/// standard output the table is evaluated twice; a file given with -o is only kept if all went well. Tables may be
+/// larger than the memory; one that comes through a pipe is kept in a temporary file.
+///
 /// Text is comma-separated. With a header line the columns may stand in any order and others are passed over (a note
-/// says which); without one there are the parameters alone. Lines that begin with # and empty lines are skipped. Rows
-/// are evaluated as they come, so a table may be larger than the memory. At a break of a curve or surface the piece
-/// above it decides.
+/// says which); without one there are the parameters alone. Lines that begin with # and empty lines are skipped. At a
+/// break of a curve or surface the piece above it decides.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -65,11 +69,6 @@ impl Args {
         if let Some(path) = &self.output {
             output::check(path)?;
         }
-        let input = match (&self.grid, &self.uv) {
-            (Some(grid), _) => Input::Grid(*grid),
-            (None, Some(path)) if path.as_os_str() != "-" => Input::File(path),
-            (None, _) => Input::Standard,
-        };
         let model = self.model.open(screen)?;
         let target = match (&self.surface, &self.curve) {
             (Some(name), _) => Target::Surface(name.clone(), model::surface(&model, name)?),
@@ -79,8 +78,15 @@ impl Args {
             }
         };
         let order = usize::from(self.order);
+        let input = match (&self.grid, &self.uv) {
+            (Some(grid), _) => Input::Grid(*grid),
+            (None, Some(path)) if path.as_os_str() != "-" => Input::file(path)?,
+            (None, _) => Input::standard(&target)?,
+        };
         let notes = match &self.output {
             None => {
+                // What is written cannot be taken back, so all is looked at before.
+                eval::check(&target, &input, order)?;
                 // One lock for the whole table, and large writes.
                 let out = io::BufWriter::with_capacity(output::BUFFER, io::stdout());
                 let mut sink = format.sink(&target, order, out)?;

@@ -1,6 +1,7 @@
 //! `nappe render`.
 
 use crate::failure::{Failure, Problem};
+use crate::fault;
 use crate::model::ModelArgs;
 use crate::scene::{self, Bend};
 use crate::screen::Screen;
@@ -129,7 +130,7 @@ impl Args {
         let tolerance = self
             .tolerance
             .unwrap_or_else(|| scene::share_of_size(&model, PIXEL_SHARE / longest));
-        let mut scene = scene::scene(&model, tolerance, screen)?;
+        let mut scene = scene::scene(&model, tolerance, self.tolerance, screen)?;
         let options = self.options(&model, &mut scene);
         let mut picture = Picture::new(&scene, options).lines(self.lines(&model, tolerance)?);
         if self.nets {
@@ -203,7 +204,7 @@ impl Args {
                 let range = s.surface.breaks(across).domain();
                 for k in 1..=n {
                     let at = range.lo + range.width() * f64::from(k) / f64::from(n + 1);
-                    lines.push(Line::isoline(isoline(s, along, at, tolerance)?));
+                    lines.push(Line::isoline(isoline(model, s, along, at, tolerance)?));
                 }
             }
         }
@@ -224,10 +225,20 @@ fn curved(model: &Model, scene: &mut Scene, which: Bend) -> Paint {
 /// The most points of a line: enough for any picture.
 const MOST_POINTS: usize = 100_000;
 
-fn isoline(s: &NamedSurface, along: Dir, at: f64, tolerance: f64) -> Result<Vec<DVec3>, Problem> {
+fn isoline(
+    model: &Model,
+    s: &NamedSurface,
+    along: Dir,
+    at: f64,
+    tolerance: f64,
+) -> Result<Vec<DVec3>, Failure> {
     let refused = |e: &dyn std::fmt::Display| {
-        Problem::new(format!("an isoline of the surface `{}`: {e}", s.name))
-            .help("leave the isolines out with --isolines 0")
+        let message = format!(
+            "surface `{}`: an isoline of it cannot be drawn: {e}",
+            s.name
+        );
+        let help = "leave the isolines out with --isolines 0";
+        fault::at(model, message, &s.place, help)
     };
     let line = Isocurve::new(s.surface.clone(), along, at).map_err(|e| refused(&e))?;
     let flat = flatten(&line, tolerance, MOST_POINTS).map_err(|e| refused(&e))?;

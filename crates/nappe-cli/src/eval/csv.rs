@@ -1,7 +1,8 @@
 //! Tables of parameters as text.
 
+use super::problems::Problems;
 use super::target::Target;
-use super::{BLOCK, Block, Notes, Problems, Source};
+use super::{BLOCK, Block, Notes, Source};
 use crate::failure::{Failure, Problem};
 use csv::{ByteRecord, Reader, ReaderBuilder, Trim};
 use std::io::Read;
@@ -61,7 +62,9 @@ impl<'a, R: Read> Rows<'a, R> {
             let line = e
                 .position()
                 .map_or(self.reader.position().line(), |p| p.line());
-            Problem::new(format!("{}: could not read: {e}", self.name(line))).into()
+            Problem::new(format!("{}: could not read: {e}", self.name(line, None)))
+                .help("is the file whole, and text or Parquet?")
+                .into()
         })
     }
 
@@ -75,7 +78,7 @@ impl<'a, R: Read> Rows<'a, R> {
             .iter()
             .map(|f| String::from_utf8_lossy(f).into_owned())
             .collect();
-        let place = self.name(self.line());
+        let place = self.name(self.line(), None);
         self.at = super::find_columns(&columns, self.target, &place, notes)?;
         self.width = columns.len();
         Ok(())
@@ -85,46 +88,53 @@ impl<'a, R: Read> Rows<'a, R> {
     fn take_row(&self, block: &mut Block, problems: &mut Problems) {
         let line = self.line();
         if self.record.len() != self.width {
-            let expected = if self.width == self.parameters.len() {
-                self.parameters.join(",")
-            } else {
-                "as many as the header".to_owned()
-            };
-            problems.push(
-                Problem::new(format!(
-                    "{}: {} instead of {} ({expected})",
-                    self.name(line),
-                    counted(self.record.len()),
-                    self.width
-                ))
-                .help(
-                    "columns are separated by commas; a table with more columns needs a header line that names them",
-                ),
-            );
+            problems.push(line, || self.wrong_count(line));
             return;
         }
         let before = block.parameters.len();
-        for (&at, name) in self.at.iter().zip(self.parameters) {
-            let field = &self.record[at];
-            match parse(field) {
+        for (k, &at) in self.at.iter().enumerate() {
+            match parse(&self.record[at]) {
                 Some(p) => block.parameters.push(p),
-                None => {
-                    block.parameters.truncate(before);
-                    problems.push(
-                        Problem::new(format!(
-                            "{}: {name} is `{}`, not a number",
-                            self.name(line),
-                            String::from_utf8_lossy(field)
-                        ))
-                        .help("numbers are written as 0.25 or 2.5e-1, with a point"),
-                    );
-                    return;
-                }
+                None => problems.push(line, || self.no_number(line, k)),
             }
         }
-        block.places.push(line);
+        if block.parameters.len() == before + self.at.len() {
+            block.places.push(line);
+        } else {
+            block.parameters.truncate(before);
+        }
+    }
+
+    fn wrong_count(&self, line: u64) -> Problem {
+        let expected = if self.width == self.parameters.len() {
+            self.parameters.join(",")
+        } else {
+            "as many as the header".to_owned()
+        };
+        Problem::new(format!(
+            "{}: {} instead of {} ({expected})",
+            self.name(line, None),
+            counted(self.record.len()),
+            self.width
+        ))
+        .help("columns are separated by commas; a table with more columns needs a header line that names them")
+    }
+
+    fn no_number(&self, line: u64, k: usize) -> Problem {
+        let field = String::from_utf8_lossy(&self.record[self.at[k]]);
+        let shown: String = field.chars().take(MOST_SHOWN).collect();
+        let rest = if shown.len() < field.len() { "…" } else { "" };
+        Problem::new(format!(
+            "{}: {} is `{shown}{rest}`, not a number",
+            self.name(line, Some(k)),
+            self.parameters[k],
+        ))
+        .help("numbers are written as 0.25 or 2.5e-1, with a point")
     }
 }
+
+/// Characters of a field that a message shows: a file that is no table can be one long field.
+const MOST_SHOWN: usize = 40;
 
 fn counted(columns: usize) -> String {
     if columns == 1 {
@@ -139,18 +149,18 @@ fn parse(field: &[u8]) -> Option<f64> {
 }
 
 impl<R: Read> Source for Rows<'_, R> {
-    fn fill(&mut self, block: &mut Block) -> Result<(), Failure> {
-        let mut problems = Problems::default();
-        for _ in 0..BLOCK {
+    fn fill(&mut self, block: &mut Block, problems: &mut Problems) -> Result<bool, Failure> {
+        for i in 0..BLOCK {
             if !std::mem::take(&mut self.pending) && !self.read()? {
-                break;
+                return Ok(i > 0);
             }
-            self.take_row(block, &mut problems);
+            self.take_row(block, problems);
         }
-        problems.result()
+        Ok(true)
     }
 
-    fn name(&self, line: u64) -> String {
-        format!("{}:{line}", self.name)
+    fn name(&self, line: u64, parameter: Option<usize>) -> String {
+        let column = parameter.map_or(String::new(), |k| format!(", column {}", self.at[k] + 1));
+        format!("{}:{line}{column}", self.name)
     }
 }

@@ -1,5 +1,6 @@
 //! Uniform grids of parameters.
 
+use super::problems::Problems;
 use super::target::Target;
 use super::{BLOCK, Block, Source};
 use crate::failure::Failure;
@@ -92,14 +93,14 @@ pub(super) struct Rows {
 }
 
 impl Source for Rows {
-    fn fill(&mut self, block: &mut Block) -> Result<(), Failure> {
+    fn fill(&mut self, block: &mut Block, _: &mut Problems) -> Result<bool, Failure> {
         let Some(first) = self.axes[0] else {
-            return Ok(());
+            return Ok(false);
         };
         let Some(second) = self.axes[1] else {
             block.parameters = first.values(self.next[0], BLOCK as u64);
             self.next[0] += block.parameters.len() as u64;
-            return Ok(());
+            return Ok(!block.parameters.is_empty());
         };
         // Whole lines while they are short, parts of one line if it is longer than a block.
         let v = second.values(self.next[1], BLOCK as u64);
@@ -115,10 +116,10 @@ impl Source for Rows {
         if !block.parameters.is_empty() {
             block.grid = Some([u, v]);
         }
-        Ok(())
+        Ok(!block.parameters.is_empty())
     }
 
-    fn name(&self, _: u64) -> String {
+    fn name(&self, _: u64, _: Option<usize>) -> String {
         "the grid".to_owned()
     }
 }

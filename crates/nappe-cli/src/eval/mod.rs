@@ -5,24 +5,24 @@ mod columns;
 mod csv;
 mod grid;
 mod parquet;
+mod problems;
 mod sink;
+mod table;
 mod target;
 
 pub(crate) use self::grid::Grid;
 pub(crate) use self::sink::{OutputFormat, Sink};
+pub(crate) use self::table::Input;
 pub(crate) use self::target::Target;
+
+use self::problems::Problems;
 
 use crate::failure::{Failure, Problem};
 use crate::text::exactly;
-use std::fs::File;
-use std::io::{self, BufReader, Cursor, IsTerminal, Read};
-use std::path::Path;
+use nappe::Interval;
 
 /// Rows evaluated at a time: enough to make the cost of a block nothing, few enough to stay in the cache.
 const BLOCK: usize = 4096;
-
-/// Bad rows that are told in one go.
-const MOST_PROBLEMS: usize = 10;
 
 /// Rows of parameters, one number for a curve, two for a surface.
 #[derive(Debug, Default)]
@@ -45,185 +45,97 @@ impl Block {
 
 /// Where parameters come from.
 trait Source {
-    /// Fills the block with the next rows; leaves it empty at the end.
-    fn fill(&mut self, block: &mut Block) -> Result<(), Failure>;
+    /// Fills the block with the next rows and says which could not be read. False at the end.
+    fn fill(&mut self, block: &mut Block, problems: &mut Problems) -> Result<bool, Failure>;
 
-    /// How a row is named in messages.
-    fn name(&self, place: u64) -> String;
+    /// How a row is named in messages, or one of its parameters.
+    fn name(&self, place: u64, parameter: Option<usize>) -> String;
 }
 
 /// What was told while reading, in full sentences.
 pub(crate) type Notes = Vec<String>;
 
-/// The parameters to evaluate at.
-#[derive(Clone, Debug)]
-pub(crate) enum Input<'a> {
-    /// A table in a file.
-    File(&'a Path),
-    /// A table on standard input.
-    Standard,
-    /// A uniform grid over the whole domain.
-    Grid(Grid),
-}
-
-/// Evaluates at every row of the input and hands the results to the sink.
+/// Evaluates at every row of the input and hands the results to the sink, unless a row is bad: then all rows are still
+/// looked at, and all bad ones are told.
 ///
 /// The notes say what of the input was not used.
 pub(crate) fn run(
     target: &Target,
-    input: &Input<'_>,
+    input: &Input,
     order: usize,
     sink: &mut dyn Sink,
 ) -> Result<Notes, Failure> {
     let mut notes = Notes::new();
-    let mut source = open(target, input, &mut notes)?;
+    let mut problems = Problems::default();
+    let mut source = input.rows(target, &mut notes)?;
     let mut block = Block::default();
     let mut values = Vec::new();
     loop {
         block.clear();
-        source.fill(&mut block)?;
-        if block.parameters.is_empty() {
-            return Ok(notes);
+        match source.fill(&mut block, &mut problems) {
+            Ok(true) => {}
+            Ok(false) => break,
+            Err(stopped) => return Err(problems.before(stopped)),
         }
-        check_domain(target, source.as_ref(), &block)?;
+        check_domain(target, source.as_ref(), &mut block, &mut problems);
+        if block.parameters.is_empty() {
+            continue;
+        }
         values.clear();
         target.evaluate(&block.parameters, block.grid.as_ref(), order, &mut values);
-        check_finite(target, source.as_ref(), &block, &values)?;
-        sink.rows(&block.parameters, &values)?;
-    }
-}
-
-/// The first bytes of every Parquet file.
-const PARQUET: &[u8] = b"PAR1";
-
-fn open<'a>(
-    target: &'a Target,
-    input: &Input<'_>,
-    notes: &mut Notes,
-) -> Result<Box<dyn Source + 'a>, Failure> {
-    match *input {
-        Input::Grid(grid) => Ok(Box::new(grid.over(target)?)),
-        Input::File(path) => {
-            let name = path.display().to_string();
-            let file = File::open(path).map_err(|e| unreadable(&name, &e))?;
-            if path.is_dir() {
-                return Err(Problem::new(format!("{name}: is a directory, not a table")).into());
-            }
-            let again = path.is_file().then_some(path);
-            open_stream(file, again, name, target, notes)
-        }
-        Input::Standard => {
-            let stdin = io::stdin();
-            if stdin.is_terminal() {
-                return Err(Failure::usage(format!(
-                    "no parameters: give a table with --uv FILE, a grid with --grid N, or pipe rows of {} in",
-                    target.parameters().join(",")
-                )));
-            }
-            open_stream(stdin.lock(), None, "standard input".into(), target, notes)
+        check_finite(target, source.as_ref(), &block, &values, &mut problems);
+        if problems.is_empty() {
+            sink.rows(&block.parameters, &values)?;
         }
     }
+    problems.result()?;
+    Ok(notes)
 }
 
-/// Opens a table whose format shows in its first bytes. `again` is the file it comes from, if it can be opened anew.
-fn open_stream<'a>(
-    mut stream: impl Read + 'a,
-    again: Option<&Path>,
-    name: String,
-    target: &'a Target,
-    notes: &mut Notes,
-) -> Result<Box<dyn Source + 'a>, Failure> {
-    let mut head = Vec::new();
-    let head_len = PARQUET.len() as u64;
-    (&mut stream)
-        .take(head_len)
-        .read_to_end(&mut head)
-        .map_err(|e| unreadable(&name, &e))?;
-    if head != PARQUET {
-        let text = BufReader::new(Cursor::new(head).chain(stream));
-        return Ok(Box::new(csv::Rows::open(text, name, target, notes)?));
-    }
-    // A Parquet file is read from its end, which a pipe has only once all of it is there.
-    let rows = match again {
-        Some(path) => {
-            let file = File::open(path).map_err(|e| unreadable(&name, &e))?;
-            parquet::Rows::open(file, name, target, notes)?
-        }
-        None => {
-            stream
-                .read_to_end(&mut head)
-                .map_err(|e| unreadable(&name, &e))?;
-            parquet::Rows::open(bytes::Bytes::from(head), name, target, notes)?
-        }
-    };
-    Ok(Box::new(rows))
+/// Does all that [`run`] does but put anything out: what is wrong shows before the first byte is written.
+pub(crate) fn check(target: &Target, input: &Input, order: usize) -> Result<(), Failure> {
+    run(target, input, order, &mut sink::Nowhere).map(drop)
 }
 
-fn unreadable(name: &str, e: &io::Error) -> Problem {
-    Problem::new(format!("{name}: could not read the parameters: {e}"))
-        .help("--uv names a table, CSV or Parquet, of the parameters; `-` is standard input")
-}
-
-/// Bad rows, as many as are told in one go.
-#[derive(Debug, Default)]
-struct Problems {
-    told: Vec<Problem>,
-    /// Found in the same block, but not told.
-    more: usize,
-}
-
-impl Problems {
-    fn push(&mut self, p: Problem) {
-        if self.told.len() < MOST_PROBLEMS {
-            self.told.push(p);
-        } else {
-            self.more += 1;
-        }
-    }
-
-    fn result(mut self) -> Result<(), Failure> {
-        if self.told.is_empty() {
-            return Ok(());
-        }
-        if self.more > 0 {
-            self.told.push(Problem::new(format!(
-                "{} more problems like these; reading stopped there",
-                self.more
-            )));
-        }
-        Err(self.told.into())
-    }
-}
-
-fn check_domain(target: &Target, source: &dyn Source, block: &Block) -> Result<(), Failure> {
+/// Takes the rows that are outside the domain out of the block.
+fn check_domain(target: &Target, source: &dyn Source, block: &mut Block, problems: &mut Problems) {
     let (names, domain) = (target.parameters(), target.domain());
-    let mut problems = Problems::default();
-    for (row, parameters) in block.parameters.chunks_exact(names.len()).enumerate() {
-        for ((&p, name), range) in parameters.iter().zip(names).zip(&domain) {
-            if range.contains(p) {
-                continue;
+    let width = names.len();
+    let good = |row: &[f64]| row.iter().zip(&domain).all(|(&p, range)| range.contains(p));
+    if block.parameters.chunks_exact(width).all(good) {
+        return;
+    }
+    let mut kept = Block::default();
+    for (i, row) in block.parameters.chunks_exact(width).enumerate() {
+        let place = block.places.get(i).copied().unwrap_or_default();
+        if good(row) {
+            kept.parameters.extend_from_slice(row);
+            kept.places.push(place);
+            continue;
+        }
+        for (k, (&p, range)) in row.iter().zip(&domain).enumerate() {
+            if !range.contains(p) {
+                problems.push(place, || {
+                    outside(target, &source.name(place, Some(k)), names[k], p, *range)
+                });
             }
-            let place = source.name(block.places.get(row).copied().unwrap_or_default());
-            problems.push(if p.is_finite() {
-                Problem::new(format!(
-                    "{place}: {name} = {} is outside the domain of {target}",
-                    exactly(p)
-                ))
-                .help(format!(
-                    "{name} runs from {} to {}",
-                    exactly(range.lo),
-                    exactly(range.hi)
-                ))
-            } else {
-                Problem::new(format!("{place}: {name} = {p} is not a finite number")).help(format!(
-                    "{name} of {target} runs from {} to {}",
-                    exactly(range.lo),
-                    exactly(range.hi)
-                ))
-            });
         }
     }
-    problems.result()
+    *block = kept;
+}
+
+fn outside(target: &Target, place: &str, name: &str, p: f64, range: Interval) -> Problem {
+    let (lo, hi) = (exactly(range.lo), exactly(range.hi));
+    if p.is_finite() {
+        let p = exactly(p);
+        Problem::new(format!(
+            "{place}: {name} = {p} is outside the domain of {target}"
+        ))
+        .help(format!("{name} runs from {lo} to {hi}"))
+    } else {
+        Problem::new(format!("{place}: {name} = {p} is not a finite number"))
+            .help(format!("{name} of {target} runs from {lo} to {hi}"))
+    }
 }
 
 /// No number that is not finite is put out: a curve or surface can have a singular derivative at a parameter.
@@ -232,15 +144,15 @@ fn check_finite(
     source: &dyn Source,
     block: &Block,
     values: &[f64],
-) -> Result<(), Failure> {
+    problems: &mut Problems,
+) {
     if values.iter().all(|v| v.is_finite()) {
-        return Ok(());
+        return;
     }
     let names = target.parameters();
     let rows = block.parameters.len() / names.len();
     let width = values.len() / rows;
     let columns = columns::names(target, width);
-    let mut problems = Problems::default();
     for (row, row_values) in values.chunks_exact(width).enumerate() {
         if let Some(bad) = row_values.iter().position(|v| !v.is_finite()) {
             let at: Vec<String> = names
@@ -248,19 +160,19 @@ fn check_finite(
                 .zip(&block.parameters[row * names.len()..])
                 .map(|(n, &p)| format!("{n} = {}", exactly(p)))
                 .collect();
-            let place = source.name(block.places.get(row).copied().unwrap_or_default());
-            problems.push(
+            let place = block.places.get(row).copied().unwrap_or_default();
+            problems.push(place, || {
                 Problem::new(format!(
-                    "{place}: {} of {target} is {} at {}",
+                    "{}: {} of {target} is {} at {}",
+                    source.name(place, None),
                     columns[names.len() + bad],
                     row_values[bad],
                     at.join(", ")
                 ))
-                .help("the surface or curve has no finite value there; leave the parameter out"),
-            );
+                .help("the surface or curve has no finite value there; leave the parameter out")
+            });
         }
     }
-    problems.result()
 }
 
 /// Where each parameter stands among named columns; the note says which columns are not used.

@@ -1,7 +1,8 @@
 //! Tables of parameters as Parquet.
 
+use super::problems::Problems;
 use super::target::Target;
-use super::{BLOCK, Block, Notes, Problems, Source};
+use super::{BLOCK, Block, Notes, Source};
 use crate::failure::{Failure, Problem};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::{DataType, DoubleType, FloatType};
@@ -81,52 +82,55 @@ impl Rows {
 }
 
 impl Source for Rows {
-    fn fill(&mut self, block: &mut Block) -> Result<(), Failure> {
-        let mut problems = Problems::default();
+    fn fill(&mut self, block: &mut Block, problems: &mut Problems) -> Result<bool, Failure> {
         loop {
             let mut columns = Vec::with_capacity(self.columns.len());
-            for (reader, parameter) in self.columns.iter_mut().zip(self.parameters) {
+            for reader in &mut self.columns {
                 let read = match reader {
                     ColumnReader::DoubleColumnReader(r) => read::<DoubleType>(r),
                     ColumnReader::FloatColumnReader(r) => read::<FloatType>(r),
                     _ => Err(ParquetError::General("the type of a column changed".into())),
                 };
-                let read = read.map_err(|e| damaged(&self.name, &e))?;
-                if let Some(i) = read.iter().position(Option::is_none) {
-                    let row = self.done + i as u64 + 1;
-                    problems.push(
-                        Problem::new(format!("{}, row {row}: {parameter} is null", self.name))
-                            .help("give every row all its parameters"),
-                    );
-                }
-                columns.push(read);
+                columns.push(read.map_err(|e| damaged(&self.name, &e))?);
             }
-            problems.result()?;
-            problems = Problems::default();
             let rows = columns.iter().map(Vec::len).min().unwrap_or(0);
             if columns.iter().any(|c| c.len() != rows) {
                 return Err(Problem::new(format!(
                     "{}: the columns are of different lengths: the file is damaged",
                     self.name
                 ))
+                .help("write the file anew")
                 .into());
             }
-            if rows > 0 {
-                for i in 0..rows {
-                    block.parameters.extend(columns.iter().filter_map(|c| c[i]));
-                    self.done += 1;
+            for i in 0..rows {
+                self.done += 1;
+                let row: Vec<f64> = columns.iter().filter_map(|c| c[i]).collect();
+                if row.len() == columns.len() {
+                    block.parameters.extend(row);
                     block.places.push(self.done);
+                    continue;
                 }
-                return Ok(());
+                for k in (0..columns.len()).filter(|&k| columns[k][i].is_none()) {
+                    problems.push(self.done, || {
+                        Problem::new(format!("{}: it is null", self.name(self.done, Some(k))))
+                            .help("give every row all its parameters")
+                    });
+                }
+            }
+            if rows > 0 {
+                return Ok(true);
             }
             if !self.next_group()? {
-                return Ok(());
+                return Ok(false);
             }
         }
     }
 
-    fn name(&self, row: u64) -> String {
-        format!("{}, row {row}", self.name)
+    fn name(&self, row: u64, parameter: Option<usize>) -> String {
+        let column = parameter.map_or(String::new(), |k| {
+            format!(", column `{}`", self.parameters[k])
+        });
+        format!("{}, row {row}{column}", self.name)
     }
 }
 

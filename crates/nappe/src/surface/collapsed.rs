@@ -4,6 +4,7 @@ use super::{Dir, Surface};
 use crate::box3::Box3;
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
+use crate::size::{LARGEST_LENGTH, SMALLEST_EXTENT};
 use glam::DVec3;
 use thiserror::Error;
 
@@ -40,6 +41,26 @@ pub enum CollapsedError {
         /// The point there.
         point: DVec3,
     },
+    /// A point is farther from the origin of space than [`LARGEST_LENGTH`].
+    #[error(
+        "the surface is too large: at u = {u}, v = {v} it is at ({:e}, {:e}, {:e}), beyond ±{LARGEST_LENGTH:e}, where products of lengths overflow", point.x, point.y, point.z
+    )]
+    TooLarge {
+        /// The parameter u.
+        u: f64,
+        /// The parameter v.
+        v: f64,
+        /// The point there.
+        point: DVec3,
+    },
+    /// It is smaller than [`SMALLEST_EXTENT`], and not one point.
+    #[error(
+        "the surface is too small: its extent is {size:e}, below {SMALLEST_EXTENT:e}, where products of lengths underflow"
+    )]
+    TooSmall {
+        /// The extent.
+        size: f64,
+    },
 }
 
 /// An area element below this part of the squared size is taken for none: data rounded to doubles leaves less.
@@ -52,7 +73,7 @@ const ROUNDING: f64 = 1e-15;
 const PLACES: [f64; 5] = [0.1131, 0.3271, 0.5417, 0.7293, 0.9179];
 
 /// Refuses a surface that has no area: all points the same, or `r_u × r_v` zero everywhere. A side that is collapsed to
-/// a point (a pole) is no fault.
+/// a point (a pole) is no fault. Nor are surfaces accepted that are too large or too small for products of lengths.
 ///
 /// A point with a normal is looked for in every piece; it is proven by an enclosure where the surface can enclose
 /// itself. That there is none is concluded from 25 points a piece, which for analytic pieces cannot all be zeros of
@@ -72,12 +93,15 @@ pub fn check_not_collapsed(surface: &dyn Surface) -> Result<(), CollapsedError> 
     for &u in &places[0] {
         for &v in &places[1] {
             let jet = surface.jet([u, v], limit, 1);
+            let point = jet.point();
+            if point.is_finite() && point.abs().max_element() > LARGEST_LENGTH {
+                return Err(CollapsedError::TooLarge { u, v, point });
+            }
             if !jet.d.iter().all(|d| d.is_finite()) {
-                let point = jet.point();
                 return Err(CollapsedError::NotFinite { u, v, point });
             }
             let along = [jet.partial(1, 0) * widths[0], jet.partial(0, 1) * widths[1]];
-            samples.push(([u, v], jet.point(), along));
+            samples.push(([u, v], point, along));
         }
     }
     let extent = |from: DVec3| {
@@ -85,6 +109,9 @@ pub fn check_not_collapsed(surface: &dyn Surface) -> Result<(), CollapsedError> 
         distances.fold(0.0, f64::max)
     };
     let size = samples.first().map_or(0.0, |s| extent(s.1));
+    if size > 0.0 && size < SMALLEST_EXTENT {
+        return Err(CollapsedError::TooSmall { size });
+    }
     let has_area = |n: f64| n > NEGLIGIBLE * size * size;
     for ([u, v], _, [a, b]) in &samples {
         if !has_area(a.cross(*b).length()) {
