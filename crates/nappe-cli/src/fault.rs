@@ -1,6 +1,7 @@
 //! What the kernel refuses of a built model, shown at its place in the model file.
 
 use crate::failure::Failure;
+use crate::text::bound;
 use nappe::mesh::{FlattenError, MeshError};
 use nappe::surface::Dir;
 use nappe_model::{Label, Model, NamedCurve, NamedSurface};
@@ -59,16 +60,17 @@ pub(crate) fn of_mesh(model: &Model, asked: Option<f64>, e: &MeshError) -> Failu
                 .iter()
                 .map(|s| (reach(s), *s))
                 .max_by(|a, b| a.0.total_cmp(&b.0));
+            let smallest = bound(smallest, 3);
             let message = format!(
                 "{} is {tol:e}, below the rounding errors of coordinates as large as these: the smallest possible is \
-                 {smallest:e}",
+                 {smallest}",
                 tolerance.name()
             );
             let labels = far
-                .map(|(reach, s)| label(&s.place, format!("its coordinates reach {reach:e}")))
+                .map(|(reach, s)| label(&s.place, format!("its coordinates reach {}", bound(reach, 3))))
                 .into_iter()
                 .collect();
-            let help = format!("to at least {smallest:e}, or move the model nearer to the origin");
+            let help = format!("to at least {smallest}, or move the model nearer to the origin");
             tolerance.fault(message, labels, &help)
         }
         MeshError::TooMany { needed, max } => tolerance.fault(
@@ -150,7 +152,7 @@ impl Tolerance<'_> {
         match (self.asked, self.model.tolerance) {
             (Some(_), _) => "the tolerance (--tolerance on the command line)",
             (None, Some(_)) => "the tolerance",
-            (None, None) => "the tolerance (a share of the size of the model, since none is given)",
+            (None, None) => "the tolerance (none is given, so a share of the model's size)",
         }
     }
 
@@ -163,14 +165,14 @@ impl Tolerance<'_> {
                 labels.push(label(place, "the tolerance"));
                 "raise `tolerance`"
             }
-            (None, None) => "give a larger tolerance: a line `tolerance = …`, or --tolerance,",
+            (None, None) => "raise it by a line `tolerance = …` or by --tolerance",
         };
         labels.extend(more);
         fault(
             self.model,
             message,
             labels,
-            format!("{help} {how}").trim_end().trim_end_matches(','),
+            format!("{help} {how}").trim_end(),
         )
     }
 }

@@ -40,9 +40,11 @@ fn main() -> ExitCode {
             ExitCode::from(WRONG)
         }
         Err(Failure::Output(e)) => {
-            screen.report(&Problem::new(format!(
-                "standard output: could not write: {e}"
-            )));
+            screen.report(
+                &Problem::new(format!("standard output: could not write: {e}")).help(
+                    "make room, or write to a file with -o, which is kept only when it is whole",
+                ),
+            );
             ExitCode::from(WRONG)
         }
         Err(Failure::Usage(e)) => {

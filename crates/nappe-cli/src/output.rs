@@ -40,7 +40,16 @@ pub(crate) fn write_with<T>(
     }
 }
 
-/// What the writer says, with its remedy apart.
+/// What the writer says; most say the remedy themselves.
 pub(crate) fn refused(e: ExchangeError) -> Failure {
-    Problem::new(e.to_string()).into()
+    let problem = Problem::new(e.to_string());
+    match e {
+        ExchangeError::Nothing { .. } => problem
+            .help("this format holds what is not in the model, or is construction_only there; choose another ending"),
+        ExchangeError::Io { .. } => {
+            problem.help("check the permissions of the directory and the room on the disk; what was there before stays")
+        }
+        _ => problem,
+    }
+    .into()
 }

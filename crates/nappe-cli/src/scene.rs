@@ -8,7 +8,7 @@ use nappe::measure::curvature;
 use nappe::mesh::{Mesh, MeshOptions, MeshPatch, flatten, mesh};
 use nappe::surface::{Normal, SurfaceRef, normal_at};
 use nappe::{Interval, Limit};
-use nappe_exchange::{Exact, ExactForm, Field, Part, Polyline, Scene, Units};
+use nappe_exchange::{Exact, ExactForm, Field, Part, Polyline, Scene};
 use nappe_model::Model;
 use std::ops::Range;
 use std::sync::Arc;
@@ -96,7 +96,7 @@ fn polylines(model: &Model, tolerance: f64, asked: Option<f64>) -> Result<Vec<Po
 pub(crate) fn unmeshed(model: &Model) -> Scene {
     Scene {
         title: Some(model.title.clone()),
-        units: units(model),
+        units: model.units,
         ..Scene::default()
     }
 }
@@ -159,7 +159,7 @@ pub(crate) enum Bend {
 /// A curvature at each vertex of a mesh of what the model puts out; at a pole the mean of its
 /// neighbours, since the second derivatives there say nothing.
 pub(crate) fn curvature_field(model: &Model, mesh: &Mesh, which: Bend) -> Field {
-    let unit = units(model).symbol();
+    let unit = model.units.symbol();
     let (name, unit) = match which {
         Bend::Gaussian => ("Gaussian curvature", format!("1/{unit}²")),
         Bend::Mean => ("Mean curvature", format!("1/{unit}")),
@@ -202,17 +202,5 @@ fn fill_poles(patch: &MeshPatch, values: &mut [f64]) {
         if count > 0 {
             *value = sum / count as f64;
         }
-    }
-}
-
-/// The unit of length, as the writers name it.
-pub(crate) fn units(model: &Model) -> Units {
-    use nappe_model::Units as Model;
-    match model.units {
-        Model::Millimetre => Units::Millimetre,
-        Model::Centimetre => Units::Centimetre,
-        Model::Metre => Units::Metre,
-        Model::Inch => Units::Inch,
-        Model::Foot => Units::Foot,
     }
 }

@@ -43,8 +43,9 @@ mod write;
 pub use atomic::{check_target, write_atomically};
 pub use error::{ExchangeError, PictureError, SceneError};
 pub use format::Format;
+pub use nappe::Units;
 pub use report::{Progress, WriteOptions, WriteReport};
-pub use scene::{Colour, Exact, ExactForm, Field, PALETTE, Part, Polyline, Scene, Units};
+pub use scene::{Colour, Exact, ExactForm, Field, PALETTE, Part, Polyline, Scene};
 pub use write::write;
 
 pub(crate) use write::Output;

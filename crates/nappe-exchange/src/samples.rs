@@ -1,7 +1,8 @@
 //! Meshes with known answers, for this crate's tests and pictures.
 
-use crate::scene::{Field, Scene, Units};
+use crate::scene::{Field, Scene};
 use glam::DVec3;
+use nappe::Units;
 use nappe::mesh::{Certainty, Mesh, MeshPatch, MeshVertex};
 use std::f64::consts::{PI, TAU};
 

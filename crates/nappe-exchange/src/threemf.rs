@@ -8,10 +8,11 @@
 use crate::Output;
 use crate::facets::{Store, corners};
 use crate::report::{Tally, Ticker};
-use crate::scene::{Scene, Units};
+use crate::scene::Scene;
 use crate::solid::{Shape, shape};
 use crate::stl::note_turned;
 use crate::text::{byte, certainty, number, xml};
+use nappe::Units;
 use std::io::{self, Write};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};

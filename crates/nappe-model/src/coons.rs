@@ -1,20 +1,17 @@
-//! Coons surfaces, on their own and as a construction of surfaces of revolution.
+//! Coons surfaces.
 
 use crate::build::{Builder, Built, Patch, Stop};
 use crate::curves::need;
 use crate::data::{Datum, Fields, Item, Object};
 use crate::diagnostics::Diagnostic;
 use crate::surfaces::square;
-use nappe::Frame;
 use nappe::basis::{Blending, BlendingError, ExpressionFunctions, ExpressionFunctionsError};
-use nappe::curve::{CrossDerivative, CurveRef, Isocurve, on_unit_domain};
+use nappe::curve::{CrossDerivative, CurveRef, on_unit_domain};
 use nappe::expr::Bound;
 use nappe::surface::{
     Compatibility, Contour, ContourError, Coons, CoonsError, CoonsOptions, Cross, Disagreement,
-    Estimate, IncompatibleTwists, Revolution, RevolutionError, RevolutionOptions, Side, Source,
-    SurfaceRef,
+    Estimate, IncompatibleTwists, Side, Source,
 };
-use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 impl Builder<'_> {
@@ -327,61 +324,6 @@ impl Builder<'_> {
                 self.refuse(o, (side.name(), &[]), e, "use a curve with finite points")
             }
         }
-    }
-
-    /// Chashnikov's construction: each sector of at most a quarter turn is the Coons surface, blended by the
-    /// trigonometric functions of its angle, of the boundary functions of the surface of revolution.
-    pub(crate) fn revolution_by_coons(
-        &mut self,
-        o: &Object,
-        profile: CurveRef,
-        axis: Frame,
-        options: RevolutionOptions,
-    ) -> Built<Vec<Patch>> {
-        let profile = on_unit_domain(profile);
-        // The whole is checked first: its angle, and the profile against the axis.
-        let turn = |options| Revolution::new(profile.clone(), axis, options);
-        let whole = turn(options).map_err(|e: RevolutionError| self.revolution_error(o, &e))?;
-        let total = whole.options().angle;
-        /// What a quarter turn may exceed a quarter by, for rounding.
-        const ROUNDING: f64 = 1e-12;
-        let count = (total / FRAC_PI_2 * (1.0 - ROUNDING)).ceil().max(1.0) as usize;
-        let angle = total / count as f64;
-        let blend = Blending::trigonometric(angle).map_err(|e| {
-            let help = format!(
-                "choose an angle well above 0deg; it is {}deg",
-                total * 180.0 / PI
-            );
-            self.refuse(o, ("angle", &[]), e, help)
-        })?;
-        let mut patches = Vec::with_capacity(count);
-        for k in 0..count {
-            let start = options.start + angle * k as f64;
-            let sector = turn(RevolutionOptions {
-                start,
-                angle,
-                ..options
-            })
-            .map_err(|e: RevolutionError| self.revolution_error(o, &e))?;
-            let sector: SurfaceRef = Arc::new(sector);
-            let side = |s: Side| -> CurveRef { Arc::new(Isocurve::side(sector.clone(), s)) };
-            let across =
-                |s: Side| -> CurveRef { Arc::new(CrossDerivative::side(sector.clone(), s)) };
-            let functions = |a: Side, b: Side| [side(a), across(a), across(b), side(b)];
-            let surface = Coons::from_boundary_functions(
-                functions(Side::West, Side::East),
-                functions(Side::South, Side::North),
-                blend.clone(),
-            )
-            .map_err(|e| self.coons_error(o, &e))?;
-            let suffix = (count > 1).then(|| (k + 1).to_string());
-            patches.push(Patch {
-                suffix,
-                surface: Arc::new(surface),
-                net: None,
-            });
-        }
-        Ok(patches)
     }
 
     /// A cross-derivative that must be there: of a neighbour, or a curve.

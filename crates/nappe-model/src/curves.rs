@@ -241,8 +241,19 @@ impl Builder<'_> {
                 .unwrap_or("")
         };
         let (key, path, help): (&str, Vec<usize>, &str) = match e {
+            CurveError::Nurbs(NurbsError::Weight { value, .. }) if f.get("weight").is_some() => {
+                let message =
+                    format!("the weight is {value}: it must be a positive, finite number");
+                return self.refuse(o, ("weight", &[]), message, "write a number greater than 0");
+            }
             CurveError::Nurbs(e) => {
                 let (key, path, help) = nurbs_place(e);
+                // The degree of a Bézier curve is that of its points.
+                let key = if key == "degree" {
+                    first(&["degree", "points"])
+                } else {
+                    key
+                };
                 return self.refuse(o, (key, &path), e, help);
             }
             CurveError::NotPositive { what, .. } => {

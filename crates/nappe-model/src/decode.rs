@@ -82,6 +82,14 @@ impl Decoder<'_> {
         let names = || kinds.iter().map(|k| k.name);
         let list = || names().collect::<Vec<_>>().join(", ");
         let Some(node) = table.get("kind") else {
+            if let Some((k, _)) = table
+                .entries
+                .iter()
+                .find(|(k, _)| k.name.eq_ignore_ascii_case("kind"))
+            {
+                self.unknown_key(label, &k.name, &k.span, &[], &["kind"], "");
+                return Err(Broken);
+            }
             self.diags.push(
                 Diagnostic::new("missing-key", format!("{label}: `kind` is missing"))
                     .at(place.clone(), "what kind is it?")
@@ -488,6 +496,15 @@ impl Decoder<'_> {
             (None, Some(Value::List(l))) => Some(l.len()),
             _ => None,
         };
+        if rows.is_empty() || columns == Some(0) {
+            let message = format!("expected {}, found no entries", shape.describe());
+            self.diags.push(
+                Diagnostic::new("shape", subject.say(message))
+                    .at(rows.first().unwrap_or(node).span.clone(), "empty")
+                    .help(format!("write {}", shape.describe())),
+            );
+            return Err(Broken);
+        }
         let mut out = Vec::with_capacity(rows.len());
         let mut broken = false;
         for (i, row) in rows.iter().enumerate() {
@@ -681,7 +698,8 @@ fn pick<'s>(shapes: &'s [Shape], node: &Node) -> Option<&'s Shape> {
                     .any(|(k, _)| keys.iter().any(|x| x.name == k.name))
         }
         (Shape::Curve, Value::Table(t)) => t.get("kind").is_some(),
-        (Shape::List(item, _), Value::List(l)) => l.first().is_some_and(|x| fits(item, x)),
+        // One entry that is an angle makes a list of angles; the others lack their units.
+        (Shape::List(item, _), Value::List(l)) => l.iter().any(|x| fits(item, x)),
         _ => false,
     });
     exact.or_else(|| {

@@ -3,63 +3,10 @@
 use crate::checks::Check;
 use crate::diagnostics::{Diagnostic, Diagnostics, Label};
 use crate::params::Parameter;
-use nappe::DVec3;
 use nappe::curve::CurveRef;
 use nappe::surface::SurfaceRef;
+use nappe::{DVec3, Units};
 use std::ops::Range;
-
-/// The unit of length of a model.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum Units {
-    /// Millimetres.
-    #[default]
-    Millimetre,
-    /// Centimetres.
-    Centimetre,
-    /// Metres.
-    Metre,
-    /// Inches.
-    Inch,
-    /// Feet.
-    Foot,
-}
-
-impl Units {
-    /// The name in files: mm, cm, m, in, ft.
-    pub fn name(self) -> &'static str {
-        match self {
-            Units::Millimetre => "mm",
-            Units::Centimetre => "cm",
-            Units::Metre => "m",
-            Units::Inch => "in",
-            Units::Foot => "ft",
-        }
-    }
-
-    /// The unit of a name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        [
-            Units::Millimetre,
-            Units::Centimetre,
-            Units::Metre,
-            Units::Inch,
-            Units::Foot,
-        ]
-        .into_iter()
-        .find(|u| u.name() == name)
-    }
-
-    /// Its length in millimetres.
-    pub fn millimetres(self) -> f64 {
-        match self {
-            Units::Millimetre => 1.0,
-            Units::Centimetre => 10.0,
-            Units::Metre => 1000.0,
-            Units::Inch => 25.4,
-            Units::Foot => 304.8,
-        }
-    }
-}
 
 /// A curve of a model.
 #[derive(Clone, Debug)]
@@ -78,8 +25,8 @@ pub struct NamedCurve {
 
 /// A surface of a model.
 ///
-/// An object that makes several surfaces (a whole quadric, a surface of revolution by quarters, the
-/// image of a join) gives one entry for each, named `object/part`, in a fixed order.
+/// An object that makes several surfaces (the image of a join) gives one entry for each, named `object/part`, in a fixed
+/// order.
 #[derive(Clone, Debug)]
 pub struct NamedSurface {
     /// Its name: the object's, or `object/part`.

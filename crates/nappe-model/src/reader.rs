@@ -5,11 +5,12 @@ use crate::checks;
 use crate::data::{Datum, Object};
 use crate::decode::Decoder;
 use crate::diagnostics::{Diagnostic, Diagnostics};
-use crate::model::{Model, NamedCurve, NamedSurface, Units};
+use crate::model::{Model, NamedCurve, NamedSurface};
 use crate::params::{self, Subject};
 use crate::registry::{CURVES, Kind, SURFACES, TOP};
 use crate::value::{self, Node, Table, Value};
 use crate::{MAX_FILE, MAX_OBJECTS};
+use nappe::Units;
 use nappe::expr::nearest;
 use std::path::Path;
 use toml::de::DeTable;
@@ -304,7 +305,7 @@ fn header(top: &Table, decoder: &mut Decoder<'_>) -> Header {
         match (name, decoder.datum(subject, v, &key.shape)) {
             ("title", Ok(Datum::Text(t))) => header.title = Some(t),
             ("units", Ok(Datum::Text(t))) => {
-                header.units = Units::from_name(&t).unwrap_or_default()
+                header.units = Units::from_symbol(&t).unwrap_or_default()
             }
             ("tolerance", Ok(Datum::Number(x))) if x > 0.0 => header.tolerance = Some(x),
             ("tolerance", Ok(Datum::Number(x))) => decoder.diags.push(

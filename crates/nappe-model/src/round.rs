@@ -1,6 +1,6 @@
 //! Quadrics and tori.
 
-use crate::build::{Builder, Built, Patch};
+use crate::build::{Builder, Built, Patch, Stop};
 use crate::curves::need;
 use crate::data::{Datum, Fields, Item, Object};
 use nappe::exact::NurbsSurface;
@@ -21,6 +21,15 @@ impl Builder<'_> {
         let frame = self.frame(o, center)?;
         let axes = need(f.numbers("semi_axes"))?;
         let quadric = Quadric::new(shape, &axes, QuadricOptions { frame, range }).map_err(|e| {
+            if let QuadricError::Range { parameter, .. } | QuadricError::Outside { parameter, .. } =
+                &e
+            {
+                let help = match &e {
+                    QuadricError::Range { .. } => "write [from, to] with from < to",
+                    _ => "choose a part of the shape",
+                };
+                return self.refuse_range(o, *parameter, &e, help);
+            }
             let (key, path, help): (&str, Vec<usize>, String) = match &e {
                 QuadricError::SemiAxisCount { shape, .. } => {
                     let help = match shape.semi_axes() {
@@ -37,11 +46,8 @@ impl Builder<'_> {
                     vec![*index],
                     "write a number greater than 0".into(),
                 ),
-                QuadricError::Range { .. } => {
-                    ("range", vec![], "write [from, to] with from < to".into())
-                }
-                QuadricError::Outside { .. } => {
-                    ("range", vec![], "choose a part of the shape".into())
+                QuadricError::Range { .. } | QuadricError::Outside { .. } => {
+                    ("range", vec![], String::new())
                 }
                 QuadricError::TwoHalves { .. } => (
                     "range",
@@ -74,15 +80,29 @@ impl Builder<'_> {
             *to = given.unwrap_or(*to);
         }
         let [major, minor] = [need(f.number("major"))?, need(f.number("minor"))?];
-        let torus = Torus::new(major, minor, options).map_err(|e| {
-            let (key, help) = match &e {
-                TorusError::Radius { name, .. } => (*name, "write a number greater than 0"),
-                _ => (
-                    "range",
-                    "choose angles [from, to] that increase by at most one turn",
-                ),
-            };
-            self.refuse(o, (key, &[]), &e, help)
+        let torus = Torus::new(major, minor, options).map_err(|e| match &e {
+            TorusError::Radius { name, .. } => {
+                self.refuse(o, (name, &[]), &e, "write a number greater than 0")
+            }
+            TorusError::Range { parameter, .. } => {
+                let help = "choose angles [from, to] that increase by at most one turn";
+                self.refuse_range(o, *parameter, &e, help)
+            }
+            TorusError::CrossesAxis { .. }
+                if f.record("range").is_some_and(|r| r.get("v").is_some()) =>
+            {
+                self.refuse_range(
+                    o,
+                    'v',
+                    &e,
+                    "choose a smaller range of v, or raise `major` to at least `minor`",
+                )
+            }
+            TorusError::CrossesAxis { .. } => {
+                let help =
+                    "raise `major` to at least `minor`, or give such a range = { v = [from, to] }";
+                self.refuse(o, ("major", &[]), &e, help)
+            }
         })?;
         let net = rows(torus.nurbs());
         Ok(vec![Patch {
@@ -110,6 +130,21 @@ impl Builder<'_> {
                 "give z a length and let x point aside from it",
             )
         })
+    }
+
+    /// Refuses a range, at that of u or v where it is given.
+    fn refuse_range(
+        &mut self,
+        o: &Object,
+        parameter: char,
+        message: impl std::fmt::Display,
+        help: &str,
+    ) -> Stop {
+        let key = if parameter == 'u' { "u" } else { "v" };
+        match o.fields.record("range").filter(|r| r.get(key).is_some()) {
+            Some(range) => self.refuse_in(&o.label, range, (key, &[]), message, help),
+            None => self.refuse(o, ("range", &[]), message, help),
+        }
     }
 
     /// The ranges of u and v, which are angles or lengths as `angles` says.

@@ -246,6 +246,7 @@ impl Builder<'_> {
             }
             (Some(mu), _) => Construction::Conic { mu },
             (None, Some("rational")) => Construction::Rational,
+            (None, Some("coons")) => Construction::Coons,
             (None, _) => Construction::Angle,
         };
         // Grigoriev's sections are a quarter unless an angle is given.
@@ -255,9 +256,6 @@ impl Builder<'_> {
             angle: f.number("angle").unwrap_or(whole),
             construction,
         };
-        if f.text("construction") == Some("coons") {
-            return self.revolution_by_coons(o, profile, axis, options);
-        }
         let surface =
             Revolution::new(profile, axis, options).map_err(|e| self.revolution_error(o, &e))?;
         Ok(Patch::one(Arc::new(surface)))

@@ -580,10 +580,12 @@ const ROWS: &[Row] = &[
         "angle",
     ),
     (
-        "[curves.c]\nkind = 'reverse'\ncurve = 's.south'\n[surfaces.s]\nkind = 'revolution'\nprofile = { kind = 'line', from = [1,0,0], to = [1,0,1] }\nconstruction = 'coons'",
+        "[curves.c]\nkind = 'reverse'\ncurve = 's.south'\n[surfaces.s]\nkind = 'join'\nsurfaces = ['a', 'b']\n\
+         [surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n\
+         [surfaces.b]\nkind = 'bilinear'\ncorners = [[[0,1,0],[0,2,0]],[[1,1,0],[1,2,0]]]",
         (4, 9),
-        &["curve `c`", "4 surfaces"],
-        "\"s/1\"",
+        &["curve `c`", "2 surfaces"],
+        "\"s/a\"",
     ),
 ];
 

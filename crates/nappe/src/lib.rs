@@ -79,6 +79,7 @@ mod frame;
 mod interval;
 mod linear;
 mod size;
+mod units;
 
 pub use box3::Box3;
 pub use breaks::{Break, Breaks, Limit, UNIT_BREAKS, merge_breaks};
@@ -93,3 +94,4 @@ pub use surface::{
     Contour, Coons, CoonsOptions, DiagonalKey, DiagonalKeyOptions, Dir, Fillet, FilletOptions,
     Quadric, Revolution, RevolutionOptions, Separable, Side, Surface, SurfaceRef, Torus,
 };
+pub use units::Units;

@@ -196,7 +196,7 @@ impl<'a> Findings<'a> {
         let surfaces = regular.collect();
         progress.finish();
         Findings {
-            unit: model.units.name(),
+            unit: model.units.symbol(),
             declared,
             shared,
             open,

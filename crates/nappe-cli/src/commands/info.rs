@@ -121,7 +121,7 @@ impl Facts {
     }
 
     fn text(&self, model: &Model) -> String {
-        let unit = model.units.name();
+        let unit = model.units.symbol();
         let mut head = Table::of_facts();
         head.row(["title", &model.title]);
         head.row(["units", unit]);
@@ -250,7 +250,7 @@ impl Facts {
             .collect();
         json!({
             "title": model.title,
-            "units": model.units.name(),
+            "units": model.units.symbol(),
             "params": params,
             "curves": curves,
             "surfaces": surfaces,

@@ -4,26 +4,37 @@ use super::problems::Problems;
 use super::target::Target;
 use super::{BLOCK, Block, Notes, Source};
 use crate::failure::{Failure, Problem};
-use csv::{ByteRecord, Reader, ReaderBuilder, Trim};
-use std::io::Read;
+use std::io::{BufRead, Read};
+use std::ops::Range;
+
+/// A line that is longer is no row of a table.
+const LONGEST_LINE: u64 = 1 << 20;
+/// Characters of a field that a message shows.
+const MOST_SHOWN: usize = 40;
 
 /// A table of parameters: comma-separated, with a header that names the columns in any order, or without one and with
 /// the parameters alone in their order. Empty lines and lines that begin with `#` are skipped.
+///
+/// A field may stand in quotes, with quotes in it doubled; it ends in the line where it begins. So every row has one
+/// line, and every field a column, which messages name.
 pub(super) struct Rows<'a, R> {
-    reader: Reader<R>,
+    input: R,
     name: String,
     parameters: &'static [&'static str],
     target: &'a Target,
-    /// Where each parameter stands in a record.
+    /// Where each parameter stands in a row.
     at: Vec<usize>,
-    /// The number of columns of every record.
+    /// The number of columns of every row.
     width: usize,
-    record: ByteRecord,
-    /// True if `record` holds a row that was read but not given out.
+    /// The line that was read last, its number, and its fields without blanks and quotes.
+    line: Vec<u8>,
+    number: u64,
+    fields: Vec<Range<usize>>,
+    /// True if the line holds a row that was read but not given out.
     pending: bool,
 }
 
-impl<'a, R: Read> Rows<'a, R> {
+impl<'a, R: BufRead> Rows<'a, R> {
     /// Reads the first line and takes it as a header if nothing in it is a number.
     pub(super) fn open(
         input: R,
@@ -32,109 +43,146 @@ impl<'a, R: Read> Rows<'a, R> {
         notes: &mut Notes,
     ) -> Result<Self, Failure> {
         let parameters = target.parameters();
-        let reader = ReaderBuilder::new()
-            .has_headers(false)
-            .flexible(true)
-            .trim(Trim::All)
-            .comment(Some(b'#'))
-            .from_reader(input);
         let mut rows = Rows {
-            reader,
+            input,
             name,
             parameters,
             target,
             at: (0..parameters.len()).collect(),
             width: parameters.len(),
-            record: ByteRecord::new(),
+            line: Vec::new(),
+            number: 0,
+            fields: Vec::new(),
             pending: false,
         };
         rows.pending = rows.read()?;
-        let is_header = rows.pending && rows.record.iter().all(|field| parse(field).is_none());
-        if is_header {
+        if rows.pending && (0..rows.fields.len()).all(|i| rows.value(i).is_none()) {
             rows.take_header(notes)?;
             rows.pending = false;
         }
         Ok(rows)
     }
 
+    /// Reads the next row. False at the end.
     fn read(&mut self) -> Result<bool, Failure> {
-        self.reader.read_byte_record(&mut self.record).map_err(|e| {
-            let line = e
-                .position()
-                .map_or(self.reader.position().line(), |p| p.line());
-            Problem::new(format!("{}: could not read: {e}", self.name(line, None)))
-                .help("is the file whole, and text or Parquet?")
-                .into()
-        })
-    }
-
-    fn line(&self) -> u64 {
-        self.record.position().map_or(0, |p| p.line())
+        loop {
+            self.line.clear();
+            self.number += 1;
+            let mut line = Read::take(&mut self.input, LONGEST_LINE + 1);
+            let read = line.read_until(b'\n', &mut self.line).map_err(|e| {
+                Problem::new(format!(
+                    "{}:{}: could not read: {e}",
+                    self.name, self.number
+                ))
+                .help("is the file whole, and can it be read?")
+            })?;
+            if read == 0 {
+                return Ok(false);
+            }
+            if read as u64 > LONGEST_LINE {
+                return Err(Problem::new(format!(
+                    "{}:{}: the line is longer than {LONGEST_LINE} bytes: this is no table of parameters",
+                    self.name, self.number
+                ))
+                .help("write one row of parameters in each line, or give a Parquet file")
+                .into());
+            }
+            // Some programs begin their texts with this mark.
+            let mark = if self.number == 1 && self.line.starts_with(b"\xef\xbb\xbf") {
+                3
+            } else {
+                0
+            };
+            let start = mark + blanks(&self.line[mark..]);
+            if start < self.line.len() && self.line[start] != b'#' {
+                self.fields.clear();
+                split(&self.line, mark, &mut self.fields);
+                return Ok(true);
+            }
+        }
     }
 
     fn take_header(&mut self, notes: &mut Notes) -> Result<(), Failure> {
-        let columns: Vec<String> = self
-            .record
-            .iter()
-            .map(|f| String::from_utf8_lossy(f).into_owned())
-            .collect();
-        let place = self.name(self.line(), None);
+        let text = |f: &Range<usize>| String::from_utf8_lossy(&self.line[f.clone()]).into_owned();
+        let columns: Vec<String> = self.fields.iter().map(text).collect();
+        let place = self.name(self.number, None);
         self.at = super::find_columns(&columns, self.target, &place, notes)?;
         self.width = columns.len();
         Ok(())
     }
 
-    /// Appends the row in `record`, or says what is wrong with it.
+    fn text(&self, field: usize) -> &[u8] {
+        &self.line[self.fields[field].clone()]
+    }
+
+    fn value(&self, field: usize) -> Option<f64> {
+        std::str::from_utf8(self.text(field)).ok()?.parse().ok()
+    }
+
+    /// The column of a field in its line, in characters from 1.
+    fn column(&self, field: usize) -> usize {
+        // Of the bytes of a character only the first counts.
+        let first = |b: &&u8| **b & 0xc0 != 0x80;
+        self.line[..self.fields[field].start]
+            .iter()
+            .filter(first)
+            .count()
+            + 1
+    }
+
+    /// Appends the row that was read, or says what is wrong with it.
     fn take_row(&self, block: &mut Block, problems: &mut Problems) {
-        let line = self.line();
-        if self.record.len() != self.width {
-            problems.push(line, || self.wrong_count(line));
+        let line = self.number;
+        if self.fields.len() != self.width {
+            problems.push(line, || self.wrong_count());
             return;
         }
         let before = block.parameters.len();
         for (k, &at) in self.at.iter().enumerate() {
-            match parse(&self.record[at]) {
+            match self.value(at) {
                 Some(p) => block.parameters.push(p),
-                None => problems.push(line, || self.no_number(line, k)),
+                None => problems.push(line, || self.no_number(k)),
             }
         }
-        if block.parameters.len() == before + self.at.len() {
-            block.places.push(line);
-        } else {
+        if block.parameters.len() < before + self.at.len() {
             block.parameters.truncate(before);
+            return;
         }
+        block.places.push(line);
+        let columns = self.at.iter().map(|&at| self.column(at));
+        block.columns.extend(columns);
     }
 
-    fn wrong_count(&self, line: u64) -> Problem {
+    fn wrong_count(&self) -> Problem {
         let expected = if self.width == self.parameters.len() {
             self.parameters.join(",")
         } else {
             "as many as the header".to_owned()
         };
+        // The first field that is too much, or the last where some are missing.
+        let at = self.width.min(self.fields.len() - 1);
         Problem::new(format!(
             "{}: {} instead of {} ({expected})",
-            self.name(line, None),
-            counted(self.record.len()),
+            self.name(self.number, Some(self.column(at))),
+            counted(self.fields.len()),
             self.width
         ))
         .help("columns are separated by commas; a table with more columns needs a header line that names them")
     }
 
-    fn no_number(&self, line: u64, k: usize) -> Problem {
-        let field = String::from_utf8_lossy(&self.record[self.at[k]]);
+    fn no_number(&self, k: usize) -> Problem {
+        let at = self.at[k];
+        let field = String::from_utf8_lossy(self.text(at));
         let shown: String = field.chars().take(MOST_SHOWN).collect();
         let rest = if shown.len() < field.len() { "…" } else { "" };
         Problem::new(format!(
             "{}: {} is `{shown}{rest}`, not a number",
-            self.name(line, Some(k)),
+            self.name(self.number, Some(self.column(at))),
             self.parameters[k],
         ))
         .help("numbers are written as 0.25 or 2.5e-1, with a point")
     }
 }
-
-/// Characters of a field that a message shows: a file that is no table can be one long field.
-const MOST_SHOWN: usize = 40;
 
 fn counted(columns: usize) -> String {
     if columns == 1 {
@@ -144,11 +192,40 @@ fn counted(columns: usize) -> String {
     }
 }
 
-fn parse(field: &[u8]) -> Option<f64> {
-    std::str::from_utf8(field).ok()?.parse().ok()
+/// The number of blanks at the beginning.
+fn blanks(line: &[u8]) -> usize {
+    line.iter().take_while(|b| b.is_ascii_whitespace()).count()
 }
 
-impl<R: Read> Source for Rows<'_, R> {
+/// The fields of a line from a byte on.
+fn split(line: &[u8], mut from: usize, fields: &mut Vec<Range<usize>>) {
+    loop {
+        let start = from + blanks(&line[from..]);
+        let mut end = start;
+        let quoted = line.get(start) == Some(&b'"');
+        let mut inside = false;
+        while let Some(&b) = line.get(end) {
+            match b {
+                b'"' if quoted => inside = !inside,
+                b',' if !inside => break,
+                _ => {}
+            }
+            end += 1;
+        }
+        let text = line[start..end].trim_ascii_end();
+        fields.push(if quoted && text.len() > 1 && text.ends_with(b"\"") {
+            start + 1..start + text.len() - 1
+        } else {
+            start..start + text.len()
+        });
+        if end == line.len() {
+            return;
+        }
+        from = end + 1;
+    }
+}
+
+impl<R: BufRead> Source for Rows<'_, R> {
     fn fill(&mut self, block: &mut Block, problems: &mut Problems) -> Result<bool, Failure> {
         for i in 0..BLOCK {
             if !std::mem::take(&mut self.pending) && !self.read()? {
@@ -159,8 +236,30 @@ impl<R: Read> Source for Rows<'_, R> {
         Ok(true)
     }
 
-    fn name(&self, line: u64, parameter: Option<usize>) -> String {
-        let column = parameter.map_or(String::new(), |k| format!(", column {}", self.at[k] + 1));
+    fn name(&self, line: u64, column: Option<usize>) -> String {
+        let column = column.map_or(String::new(), |c| format!(":{c}"));
         format!("{}:{line}{column}", self.name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fields(line: &str) -> Vec<&str> {
+        let mut found = Vec::new();
+        split(line.as_bytes(), 0, &mut found);
+        found.into_iter().map(|f| &line[f]).collect()
+    }
+
+    #[test]
+    fn lines_are_split_at_commas_outside_quotes() {
+        assert_eq!(fields("0.5,1\r\n"), ["0.5", "1"]);
+        assert_eq!(fields(" 0.5 ,\t1 "), ["0.5", "1"]);
+        assert_eq!(fields("\"a,b\", \"u\",,x\"y"), ["a,b", "u", "", "x\"y"]);
+        assert_eq!(fields("\"say \"\"so\"\"\",2"), ["say \"\"so\"\"", "2"]);
+        assert_eq!(fields(""), [""]);
+        assert_eq!(fields("1,"), ["1", ""]);
+        assert_eq!(fields("\"open,1"), ["\"open,1"]);
     }
 }

@@ -31,6 +31,8 @@ struct Block {
     parameters: Vec<f64>,
     /// The line or row of the input each comes from; empty if they come from no input.
     places: Vec<u64>,
+    /// Where in its line or row each parameter stands, counted as the source does.
+    columns: Vec<usize>,
     /// If the rows are a grid: its values of u and of v. The rows run through v first.
     grid: Option<[Vec<f64>; 2]>,
 }
@@ -39,6 +41,7 @@ impl Block {
     fn clear(&mut self) {
         self.parameters.clear();
         self.places.clear();
+        self.columns.clear();
         self.grid = None;
     }
 }
@@ -48,8 +51,8 @@ trait Source {
     /// Fills the block with the next rows and says which could not be read. False at the end.
     fn fill(&mut self, block: &mut Block, problems: &mut Problems) -> Result<bool, Failure>;
 
-    /// How a row is named in messages, or one of its parameters.
-    fn name(&self, place: u64, parameter: Option<usize>) -> String;
+    /// How a row is named in messages, or a column of it.
+    fn name(&self, place: u64, column: Option<usize>) -> String;
 }
 
 /// What was told while reading, in full sentences.
@@ -111,12 +114,14 @@ fn check_domain(target: &Target, source: &dyn Source, block: &mut Block, problem
         if good(row) {
             kept.parameters.extend_from_slice(row);
             kept.places.push(place);
+            // Rows are only named by their places from here on.
             continue;
         }
         for (k, (&p, range)) in row.iter().zip(&domain).enumerate() {
             if !range.contains(p) {
                 problems.push(place, || {
-                    outside(target, &source.name(place, Some(k)), names[k], p, *range)
+                    let column = block.columns.get(i * width + k).copied();
+                    outside(target, &source.name(place, column), names[k], p, *range)
                 });
             }
         }

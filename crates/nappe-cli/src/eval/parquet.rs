@@ -108,6 +108,7 @@ impl Source for Rows {
                 if row.len() == columns.len() {
                     block.parameters.extend(row);
                     block.places.push(self.done);
+                    block.columns.extend(0..columns.len());
                     continue;
                 }
                 for k in (0..columns.len()).filter(|&k| columns[k][i].is_none()) {

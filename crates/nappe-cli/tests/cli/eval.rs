@@ -324,7 +324,7 @@ fn a_failed_run_leaves_the_old_file() {
     folder.write("uv.csv", &input);
     let run = folder.nappe("eval model.nappe.toml --surface sheet --uv uv.csv -o out.csv");
     assert!(
-        run.problem().contains("uv.csv:20001: u = 3 is outside"),
+        run.problem().contains("uv.csv:20001:1: u = 3 is outside"),
         "{}",
         run.stderr
     );

@@ -109,8 +109,12 @@ pub fn check_not_collapsed(surface: &dyn Surface) -> Result<(), CollapsedError> 
         distances.fold(0.0, f64::max)
     };
     let size = samples.first().map_or(0.0, |s| extent(s.1));
-    if size > 0.0 && size < SMALLEST_EXTENT {
-        return Err(CollapsedError::TooSmall { size });
+    // Not by lengths, which underflow themselves.
+    let first = samples.first().map_or(DVec3::ZERO, |s| s.1);
+    let spreads = samples.iter().map(|s| (s.1 - first).abs().max_element());
+    let spread = spreads.fold(0.0, f64::max);
+    if spread > 0.0 && spread < SMALLEST_EXTENT {
+        return Err(CollapsedError::TooSmall { size: spread });
     }
     let has_area = |n: f64| n > NEGLIGIBLE * size * size;
     for ([u, v], _, [a, b]) in &samples {
