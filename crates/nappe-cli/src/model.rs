@@ -67,6 +67,7 @@ pub(crate) fn surface(model: &Model, name: &str) -> Result<SurfaceRef, Problem> 
     let names: Vec<&str> = model.surfaces.iter().map(|s| s.name.as_str()).collect();
     let is_curve = model.curve(name).is_some();
     Err(unknown(
+        model,
         "surface",
         name,
         &names,
@@ -82,6 +83,7 @@ pub(crate) fn curve(model: &Model, name: &str) -> Result<CurveRef, Problem> {
     let names: Vec<&str> = model.curves.iter().map(|c| c.name.as_str()).collect();
     let is_surface = model.surfaces.iter().any(|s| s.object == name);
     Err(unknown(
+        model,
         "curve",
         name,
         &names,
@@ -92,8 +94,9 @@ pub(crate) fn curve(model: &Model, name: &str) -> Result<CurveRef, Problem> {
 /// Names listed in a message: more would hide what is said.
 const MOST_NAMES: usize = 12;
 
-fn unknown(what: &str, name: &str, known: &[&str], other: Option<&str>) -> Problem {
-    let problem = Problem::new(format!("the model has no {what} `{name}`"));
+fn unknown(model: &Model, what: &str, name: &str, known: &[&str], other: Option<&str>) -> Problem {
+    let file = &model.warnings.file;
+    let problem = Problem::new(format!("{file}: the model has no {what} `{name}`"));
     if let Some(flag) = other {
         return problem.help(format!("say {flag} {name}"));
     }

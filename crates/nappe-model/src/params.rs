@@ -231,6 +231,14 @@ enum Source<'a> {
 }
 
 impl Source<'_> {
+    /// What messages add if the file is not to blame.
+    fn set_by(&self) -> &'static str {
+        match self {
+            Source::Override(_) => " (set on the command line)",
+            _ => "",
+        }
+    }
+
     fn node(&self) -> Option<&Node> {
         match self {
             Source::File(n) => Some(n),
@@ -461,7 +469,8 @@ fn visit(
                 state[i] = State::Done;
                 let e = &entries[i];
                 if !scope.index.contains_key(e.name) {
-                    let object = format!("parameter `{}`", e.name);
+                    let by = e.value.set_by();
+                    let object = format!("parameter `{}`{by}", e.name);
                     let subject = Subject {
                         object: &object,
                         key: "",
@@ -520,11 +529,7 @@ fn finish(e: &Entry<'_>, scope: &Scope, diags: &mut Diagnostics) -> Option<Param
     };
     if min.is_some_and(|m| value < m) || max.is_some_and(|m| value > m) {
         let place = e.value.node().map_or(e.span.clone(), |n| n.span.clone());
-        let by = if matches!(e.value, Source::Override(_)) {
-            " (set on the command line)"
-        } else {
-            ""
-        };
+        let by = e.value.set_by();
         let empty = matches!((min, max), (Some(a), Some(b)) if a > b);
         let help = if empty {
             "min must not exceed max".to_owned()

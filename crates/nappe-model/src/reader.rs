@@ -78,10 +78,15 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<Model, Diagnostics> {
             Ok(text) => parse(&text, &name, overrides),
             Err(e) => {
                 let at = e.utf8_error().valid_up_to();
-                refuse(
-                    format!("byte {at} is not UTF-8 text"),
-                    "model files are text; save it as UTF-8",
-                )
+                let mut bytes = e.into_bytes();
+                bytes.truncate(at);
+                let mut d = Diagnostics::new(&name, &String::from_utf8(bytes).unwrap_or_default());
+                d.push(
+                    Diagnostic::new("file", format!("byte {at} is not UTF-8 text"))
+                        .at(at..at, "up to here it is")
+                        .help("model files are text; save it as UTF-8"),
+                );
+                Err(d)
             }
         },
     }

@@ -90,7 +90,7 @@ impl Args {
         let mut files = Vec::new();
         let mut problems = Vec::new();
         for (i, path) in paths.iter().enumerate() {
-            if paths[..i].contains(path) {
+            if paths[..i].iter().any(|p| same_file(p, path)) {
                 return Err(Failure::usage(format!(
                     "{} is to be written twice",
                     path.display()
@@ -113,6 +113,18 @@ impl Args {
             Err(problems.into())
         }
     }
+}
+
+/// True if two paths are, or would be, the same file.
+fn same_file(a: &Path, b: &Path) -> bool {
+    let whole = |p: &Path| {
+        let parent = p.parent().filter(|d| !d.as_os_str().is_empty());
+        let directory = parent.unwrap_or(Path::new(".")).canonicalize().ok()?;
+        p.canonicalize()
+            .ok()
+            .or_else(|| Some(directory.join(p.file_name()?)))
+    };
+    a == b || whole(a).is_some_and(|a| Some(a) == whole(b))
 }
 
 /// Formats of exact surfaces that people will ask for and that are not there: to say so is kinder than a near name.

@@ -325,3 +325,104 @@ fn files_that_are_no_models() {
     all.push_str(&format!("$ .\n{}\n", run.problem()));
     assert_snapshot!(all);
 }
+
+/// A square sheet; more is said before it and of it.
+fn sheet(before: &str, corner: &str) -> String {
+    format!(
+        "{before}[surfaces.sheet]\nkind = \"bilinear\"\ncorners = [[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], {corner}]]\n"
+    )
+}
+
+#[test]
+fn what_only_the_mesh_finds_is_told_at_its_place() {
+    refused(
+        "mesh-fine",
+        &sheet("tolerance = 1e-18\n", "[1, 1, 1]"),
+        "2:13",
+    );
+    refused(
+        "mesh-many",
+        &sheet("tolerance = 1e-9\n", "[1, 1, 1]"),
+        "2:13",
+    );
+    refused(
+        "mesh-far",
+        &sheet("", "[1e28, 1e28, 1e28]")
+            .replace("0, 0, 0", "1e28, 0, 0")
+            .replace("[0, 1, 0]", "[1e28, 1, 0]")
+            .replace("[1, 0, 0]", "[1e28, 0, 1]")
+            .replace("[1e28, 1e28, 1e28]", "[1e28, 1, 1]"),
+        "2:11",
+    );
+    // Across u the samples see a sheet; the jump at u = 1/2 is seen by the mesh.
+    refused(
+        "mesh-torn",
+        "[curves.step]\nkind = \"nurbs\"\ndegree = 1\npoints = [[0, 0, 0], [1, 0, 0], [2, 5, 0], [3, 5, 0]]\n\
+         knots = [0, 0, 0.5, 0.5, 1, 1]\n[surfaces.torn]\nkind = \"ruled\"\nsouth = \"step\"\n\
+         north = { kind = \"transform\", curve = \"step\", translate = [0, 0, 4] }\n",
+        "7:11",
+    );
+}
+
+#[test]
+fn a_tolerance_of_the_command_line_is_named_so() {
+    let folder = Folder::with_model(&sheet("tolerance = 0.1\n", "[1, 1, 1]"));
+    let mut all = String::new();
+    for tolerance in ["1e-18", "1e-9"] {
+        let run = folder.nappe(&format!("build model.nappe.toml --tolerance {tolerance}"));
+        all.push_str(&format!("$ --tolerance {tolerance}\n{}\n", run.problem()));
+    }
+    assert_snapshot!(all);
+    assert_eq!(folder.names(), ["model.nappe.toml"]);
+}
+
+#[test]
+fn sizes_beyond_what_is_computed_with() {
+    refused("size-large", &sheet("", "[1e200, 1, 1]"), "4:44");
+    refused(
+        "size-tiny",
+        "[surfaces.ball]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [1e-200]\n",
+        "4:9",
+    );
+    refused(
+        "size-scaled",
+        "[surfaces.ball]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [20]\n\
+         [surfaces.large]\nkind = \"transform\"\nsurface = \"ball\"\nscale = 1e30\n",
+        "8:11",
+    );
+}
+
+/// Just within the bounds everything works.
+#[test]
+fn the_largest_and_the_smallest_models() {
+    for size in ["1e29", "1e-29"] {
+        let folder = Folder::with_model(&format!(
+            "[surfaces.ring]\nkind = \"torus\"\nmajor = \"2*{size}\"\nminor = {size}\n"
+        ));
+        for args in [
+            "build model.nappe.toml --tolerance 1e28 -o a.glb -o a.stl -o a.vtu -o a.json"
+                .replace("1e28", &size.replace("29", "28").replace("e-28", "e-30")),
+            "info model.nappe.toml".into(),
+            "check model.nappe.toml".into(),
+            "render model.nappe.toml -o a.png --size 64x64".into(),
+        ] {
+            let run = folder.nappe(&args);
+            assert_eq!(run.code, 0, "{args}: {}", run.stderr);
+        }
+        let stl = folder.read("a.stl");
+        let finite = stl[84..].chunks_exact(50).all(|t| {
+            t[..48]
+                .chunks_exact(4)
+                .all(|x| f32::from_le_bytes([x[0], x[1], x[2], x[3]]).is_finite())
+        });
+        assert!(finite, "{size}");
+    }
+}
+
+#[test]
+fn one_file_is_not_written_twice_by_two_names() {
+    let folder = Folder::with_model(&sheet("", "[1, 1, 1]"));
+    let run = folder.nappe("build model.nappe.toml -o a.stl -o ./a.stl");
+    assert_eq!(run.code, 2, "{}", run.stderr);
+    assert_eq!(folder.names(), ["model.nappe.toml"]);
+}

@@ -314,6 +314,59 @@ fn bad_rows_are_told_by_line() {
     }
 }
 
+/// All kinds of bad rows in one run, with their places in the file as an editor counts them: comments, empty lines and
+/// the mark at the beginning of the file count.
+#[test]
+fn all_bad_rows_are_told_before_anything_is_put_out() {
+    let folder = Folder::with_model(MODEL);
+    let mut input = String::from("\u{feff}# measured\r\n\r\n\"v\", \"note, or é\" ,u\r\n");
+    input +=
+        "0.5,\"a, é\",0.5\r\n\r\n0.5,b,1.5\r\n# half\r\nhalf,c,nan\r\n0.5,d\r\n7,\"é, e\",oops\r\n";
+    // Far behind the first block.
+    input += &"0.25,f,0.75\r\n".repeat(10_000);
+    input += "0.5,g,inf\r\n0.5,h,x";
+    folder.write("uv.csv", &input);
+    let from_file = folder.nappe("eval model.nappe.toml --surface sheet --uv uv.csv");
+    assert_snapshot!("eval-all-kinds", from_file.problem());
+    assert!(from_file.stdout.is_empty(), "something was put out");
+    let piped = folder.nappe_with("eval model.nappe.toml --surface sheet", input.as_bytes());
+    assert_eq!(
+        piped.problem(),
+        from_file.stderr.replace("uv.csv", "standard input")
+    );
+    assert!(piped.stdout.is_empty(), "something was put out");
+}
+
+/// Where the curve has no finite derivative is found before the header is put out.
+#[test]
+fn singular_rows_of_a_curve_are_told_with_the_others() {
+    let folder = Folder::with_model(
+        "[curves.root]\nkind = \"expression\"\nx = \"t\"\ny = \"sqrt(t)\"\nz = \"0\"\n",
+    );
+    folder.write("t.csv", "0.5\n0\n2\n");
+    let run = folder.nappe("eval model.nappe.toml --curve root --uv t.csv --order 1");
+    assert_snapshot!("eval-singular", run.problem());
+    assert!(run.stdout.is_empty());
+}
+
+#[test]
+fn what_is_no_table_is_refused() {
+    let folder = Folder::with_model(MODEL);
+    let mut noise: Vec<u8> = (0..3_000_000u32)
+        .map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8)
+        .collect();
+    noise.retain(|&b| b != b'\n');
+    std::fs::write(folder.path("noise.csv"), &noise).unwrap();
+    let run = folder.nappe("eval model.nappe.toml --surface sheet --uv noise.csv");
+    assert!(
+        run.problem()
+            .contains("noise.csv:1: the line is longer than 1048576 bytes"),
+        "{}",
+        run.stderr
+    );
+    assert!(run.stdout.is_empty());
+}
+
 #[test]
 fn a_failed_run_leaves_the_old_file() {
     let folder = Folder::with_model(MODEL);
@@ -369,7 +422,7 @@ fn a_reader_that_goes_away_is_no_error() {
                 "--surface",
                 "sheet",
                 "--grid",
-                "2000",
+                "700",
                 "--format",
                 format,
             ])

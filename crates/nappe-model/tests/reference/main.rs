@@ -87,8 +87,9 @@ const TEXT: &str = "
 
 * A **number** is a TOML number or an expression in quotes: `\"radius * sqrt(2)\"`. Expressions have `+ - * / ^`,
   comparisons and `if(c, a, b)`, `sqrt exp ln abs min max sin cos tan asin acos atan atan2 sinh cosh tanh floor ceil`,
-  `pi`, `tau`, `e` and the parameters.
-* An **angle** carries its unit: `\"45deg\"`, `\"0.5rad\"`, `\"1/4 turn\"`.
+  `pi`, `tau`, `e` and the parameters. Numbers are at most 1e30: products of larger lengths would overflow. For the same
+  reason no surface extends farther, or is smaller than 1e-30.
+* An **angle** carries its unit: `\"45deg\"`, `\"0.5rad\"`, `\"1/4 turn\"`, and is at most 1000 turns.
 * A **curve** is a name, a side of a surface such as `\"dome.south\"`, or a table with `kind`.
 * **Sides**: `south` is v = 0, `north` v = 1, `west` u = 0, `east` u = 1. South and north run along u, west and east
   along v.
