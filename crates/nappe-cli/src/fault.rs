@@ -79,7 +79,7 @@ pub(crate) fn of_mesh(model: &Model, asked: Option<f64>, e: &MeshError) -> Failu
                 tolerance.name()
             ),
             Vec::new(),
-            "so that fewer do",
+            "; twice as much needs about half the triangles",
         ),
         MeshError::Weld { .. } => fault(model, e.to_string(), Vec::new(), "change the tolerance"),
         MeshError::NotFinite { surface, uv } => on(
@@ -172,7 +172,7 @@ impl Tolerance<'_> {
             self.model,
             message,
             labels,
-            format!("{help} {how}").trim_end(),
+            format!("{help} {how}").trim_end().replace(" ;", ";"),
         )
     }
 }

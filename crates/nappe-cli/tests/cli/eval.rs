@@ -341,10 +341,10 @@ fn all_bad_rows_are_told_before_anything_is_put_out() {
 #[test]
 fn singular_rows_of_a_curve_are_told_with_the_others() {
     let folder = Folder::with_model(
-        "[curves.root]\nkind = \"expression\"\nx = \"t\"\ny = \"sqrt(t)\"\nz = \"0\"\n",
+        "[curves.root]\nkind = \"expression\"\nx = \"t\"\ny = \"t^1.5\"\nz = \"0\"\n",
     );
-    folder.write("t.csv", "0.5\n0\n2\n");
-    let run = folder.nappe("eval model.nappe.toml --curve root --uv t.csv --order 1");
+    folder.write("t.csv", "0.5\n0\n2\nx\n");
+    let run = folder.nappe("eval model.nappe.toml --curve root --uv t.csv --order 2");
     assert_snapshot!("eval-singular", run.problem());
     assert!(run.stdout.is_empty());
 }
