@@ -104,7 +104,7 @@ fn temporary(path: &Path, directory: &Path) -> Result<tempfile::NamedTempFile, E
         // The system's reason without the name of the temporary file, which tells nobody anything.
         let inner = e.get_ref().and_then(std::error::Error::source);
         let reason = inner.map(ToString::to_string);
-        let e = reason.map_or(e, |r| io::Error::other(r));
+        let e = reason.map_or(e, io::Error::other);
         failed(path, "create a file in the directory (is it writable?)")(e)
     })
 }

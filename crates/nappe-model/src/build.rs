@@ -199,11 +199,11 @@ impl<'a> Builder<'a> {
         result.map(|_| ())
     }
 
-    /// Refuses surfaces without area. The place is that of the object's first datum.
+    /// Refuses surfaces without area. The place is that of what gives its size.
     fn spread_out(&mut self, object: &Object, patches: &[Patch]) -> Built<()> {
         for p in patches {
             if let Err(e) = check_not_collapsed(p.surface.as_ref()) {
-                let key = object.fields.entries.first().map_or("", |(k, _)| *k);
+                let key = size_key(object);
                 let help = match e {
                     CollapsedError::TooLarge { .. } => "use smaller numbers, or a larger unit",
                     CollapsedError::TooSmall { .. } => "use larger numbers, or a smaller unit",
@@ -232,7 +232,7 @@ impl<'a> Builder<'a> {
         let Some((t, p)) = far else {
             return Ok(());
         };
-        let key = object.fields.entries.first().map_or("", |(k, _)| *k);
+        let key = size_key(object);
         let message = format!(
             "at t = {t} the curve is at ({:e}, {:e}, {:e}); coordinates are at most ±{LARGEST_LENGTH:e}",
             p.x, p.y, p.z
@@ -508,6 +508,14 @@ impl<'a> Builder<'a> {
             )
         })
     }
+}
+
+/// The key that gives an object its size, or its first.
+fn size_key(o: &Object) -> &'static str {
+    let mut keys = ["scale", "semi_axes", "radius"].into_iter();
+    keys.find(|k| o.fields.get(k).is_some())
+        .or_else(|| o.fields.entries.first().map(|(k, _)| *k))
+        .unwrap_or_default()
 }
 
 /// All names, for a help text.

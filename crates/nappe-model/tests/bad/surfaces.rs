@@ -181,7 +181,7 @@ const ROWS: &[Row] = &[
     ),
     (
         "[surfaces.s]\nkind = 'transform'\nsurface = 'a'\nscale = 1e29\n[surfaces.a]\nkind = 'torus'\nmajor = 20\nminor = 7",
-        (4, 11),
+        (5, 9),
         &["surface `s`", "too large", "±1e30"],
         "larger unit",
     ),
