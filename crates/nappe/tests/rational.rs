@@ -190,6 +190,27 @@ fn collapsed_surfaces_are_refused_and_poles_are_not() {
     assert!(matches!(e, CollapsedError::Curve { .. }));
 }
 
+/// Beyond the sizes where products of lengths overflow or underflow the reason is the size, not the shape.
+#[test]
+fn sizes_that_cannot_be_computed_with_are_refused_as_such() {
+    let sheet = |size: f64| {
+        let p = |x: f64, y: f64| DVec3::new(x, y, x * y) * size;
+        let corners = [[p(0.0, 0.0), p(0.0, 1.0)], [p(1.0, 0.0), p(1.0, 1.0)]];
+        check_not_collapsed(&bilinear(corners).unwrap())
+    };
+    for size in [nappe::LARGEST_LENGTH, 10.0 * nappe::SMALLEST_EXTENT] {
+        assert_eq!(sheet(size), Ok(()));
+    }
+    for size in [1e31, 1e160, 1e300] {
+        let e = sheet(size).unwrap_err();
+        assert!(matches!(e, CollapsedError::TooLarge { .. }), "{e}");
+    }
+    for size in [1e-31, 1e-160, 1e-300] {
+        let e = sheet(size).unwrap_err();
+        assert!(matches!(e, CollapsedError::TooSmall { .. }), "{e}");
+    }
+}
+
 #[test]
 fn a_hundred_thousand_boxes_hold_their_samples() {
     let user = functions(&["exp(-t)", "t", "1+sin(3*t)^2"]);
