@@ -45,7 +45,7 @@ pub(crate) fn refused(e: ExchangeError) -> Failure {
     let problem = Problem::new(e.to_string());
     match e {
         ExchangeError::Nothing { .. } => problem
-            .help("this format holds what is not in the model, or is construction_only there; choose another ending"),
+            .help("a mesh holds surfaces, .json, .svg and .png also curves; what is construction_only is not put out"),
         ExchangeError::Io { .. } => {
             problem.help("check the permissions of the directory and the room on the disk; what was there before stays")
         }

@@ -101,10 +101,8 @@ fn target(path: &Path) -> Result<Target, ExchangeError> {
 
 fn temporary(path: &Path, directory: &Path) -> Result<tempfile::NamedTempFile, ExchangeError> {
     builder().tempfile_in(directory).map_err(|e| {
-        // The system's reason without the name of the temporary file, which tells nobody anything.
-        let inner = e.get_ref().and_then(std::error::Error::source);
-        let reason = inner.map(ToString::to_string);
-        let e = reason.map_or(e, io::Error::other);
+        // The reason without the name of the temporary file, which tells nobody anything.
+        let e = io::Error::from(e.kind());
         failed(path, "create a file in the directory (is it writable?)")(e)
     })
 }
