@@ -12,6 +12,13 @@
 //! mean. `Σ λ_i du_i²` is the variance of numbers in an interval of length `Δu`, so at most `Δu²/4` (Popoviciu), likewise
 //! for v, and `Σ λ_i |du_i dv_i| ≤ Δu Δv / 4` by the inequality of Cauchy and Schwarz. ∎
 //!
+//! **Corollary.** Let `c` be the component along a fixed vector, `c_uu ≤ L`, `|c_uv| ≤ M`, `c_vv ≤ N`. Then
+//!
+//! `Σ λ_i c(p_i) - c(p) ≤ ⅛ max {L a² + 2 M a b + N b² : 0 ≤ a ≤ Δu, 0 ≤ b ≤ Δv}`,
+//!
+//! with `a²/4 = Σ λ_i du_i²` and `b²/4 = Σ λ_i dv_i²`; and so for `-c`. Where the surface is a saddle, L and N have
+//! different signs and help each other, in both directions.
+//!
 //! If triangles cover the rectangle in the plane of the parameters, every point of the surface has its partner on the
 //! mesh and every point of the mesh its partner on the surface: the bound is one for the two-sided Hausdorff distance.
 //! If the corners are moved by at most `g` in space, partners are farther apart by at most `g`. The sharper bound of
@@ -28,14 +35,17 @@ pub(super) const ROUND_UP: f64 = 1.0 + 1e-14;
 const MAX_CELLS: f64 = 1_048_576.0;
 /// The steps in which grids are tried: finer gains no cells, coarser loses this share of them.
 const STEP: f64 = 1.1;
-/// Grids with this share of cells more are taken for better shaped triangles, for each factor e of the shape.
-const SHAPE: f64 = 0.02;
+/// Grids with this share of cells more are taken for better shaped triangles, for each factor e of the shape. Smaller, and
+/// a twisted surface is cut into strips, which keep the distance with as few cells but not the normals and the area;
+/// larger, and cells are less long than the curvatures ask for.
+const SHAPE: f64 = 0.1;
 
 /// A bound on the distance of a piece of surface from its n × m grid of triangles, with its parts for `n = m = 1`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bend {
-    /// What falls with 1/n², with 1/(n m) and with 1/m²: across the surface, or in all directions.
-    pub(super) across: [f64; 3],
+    /// Second derivatives times `Δu²`, `Δu Δv` and `Δv²`: of the component across the surface, or symmetric intervals
+    /// of their norms, which bound the components in all directions. They fall with 1/n², with 1/(n m) and with 1/m².
+    pub(super) across: [Interval; 3],
     /// How far the sides along u and along v leave their chords within the surface: falls with 1/n² and with 1/m².
     pub(super) within: [f64; 2],
     /// What the part within the surface adds to the part across.
@@ -58,11 +68,8 @@ impl Bend {
         // Far from square is square enough: beyond this the shape decides nothing.
         let aspect = (lu / lv).clamp(1e-3, 1e3);
         Self {
-            across: [
-                0.125 * norm(3) * du * du * ROUND_UP,
-                0.25 * norm(4) * du * dv * ROUND_UP,
-                0.125 * norm(5) * dv * dv * ROUND_UP,
-            ],
+            across: [norm(3) * du * du, norm(4) * du * dv, norm(5) * dv * dv]
+                .map(|x| symmetric(x * ROUND_UP)),
             within: [0.0; 2],
             slope: 0.0,
             aspect: if aspect.is_nan() { 1.0 } else { aspect },
@@ -73,14 +80,18 @@ impl Bend {
 
     /// True if the surface is bent more along u than along v.
     pub(super) fn is_along_u(&self) -> bool {
-        self.across[0] >= self.across[2]
+        self.across[0].mag() >= self.across[2].mag()
     }
 
     /// The bound for the cells of an n × m grid.
     pub(super) fn deviation(&self, n: f64, m: f64) -> f64 {
         let (a, b) = (1.0 / n + self.grain[0], 1.0 / m + self.grain[1]);
         let [uu, uv, vv] = self.across;
-        let across = uu * a * a + uv * a * b + vv * b * b;
+        let mixed = uv.mag() * a * b;
+        let (aa, bb) = (a * a, b * b);
+        let above = reach(uu.hi * aa, mixed, vv.hi * bb);
+        let below = reach(-uu.lo * aa, mixed, -vv.lo * bb);
+        let across = 0.125 * worst(above, below);
         let within = (self.within[0] * a * a).max(self.within[1] * b * b);
         (across + self.slope * within).hypot(within) * ROUND_UP
     }
@@ -124,6 +135,38 @@ impl Bend {
     }
 }
 
+/// All numbers whose size is at most x; NaN stays unbounded.
+fn symmetric(x: f64) -> Interval {
+    if x.is_nan() {
+        Interval::ENTIRE
+    } else {
+        Interval { lo: -x, hi: x }
+    }
+}
+
+/// The maximum that does not lose NaN.
+fn worst(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::NAN
+    } else {
+        a.max(b)
+    }
+}
+
+/// `max {uu s² + 2 uv s t + vv t² : 0 ≤ s, t ≤ 1}` for `uv ≥ 0`: at the origin, or on a side `s = 1` or `t = 1`, since the
+/// form is homogeneous.
+fn reach(uu: f64, uv: f64, vv: f64) -> f64 {
+    // The maximum over 0 ≤ t ≤ 1 with s = 1.
+    let side = |first: f64, second: f64| {
+        if uv < -second {
+            first + uv * uv / -second
+        } else {
+            first + 2.0 * uv + second
+        }
+    };
+    worst(worst(side(uu, vv), side(vv, uu)), 0.0)
+}
+
 /// Samples for a bound that cannot be proven, in each direction.
 const SAMPLES: usize = 5;
 /// What an estimate from samples is enlarged by.
@@ -155,14 +198,36 @@ pub(super) fn sampled(surface: &dyn Surface, uv: [Interval; 2]) -> Option<Vec<Bo
 mod tests {
     use super::*;
 
-    fn bend(across: [f64; 3], within: [f64; 2]) -> Bend {
+    /// With the bound `uu / n² + uv / (n m) + vv / m²`.
+    fn bend([uu, uv, vv]: [f64; 3], within: [f64; 2]) -> Bend {
         Bend {
-            across,
+            across: [8.0 * uu, 4.0 * uv, 8.0 * vv].map(symmetric),
             within,
             slope: 0.1,
             aspect: 1.0,
             grain: [0.0; 2],
             normal: None,
+        }
+    }
+
+    #[test]
+    fn the_greatest_value_of_a_form_is_found() {
+        let numbers = [-3.0, -1.0, -0.2, 0.0, 0.5, 1.0, 4.0];
+        for (uu, vv) in numbers.into_iter().flat_map(|a| numbers.map(|b| (a, b))) {
+            for uv in [0.0, 0.1, 0.7, 1.5, 6.0] {
+                let at = |i: u32, j: u32| {
+                    let (s, t) = (f64::from(i) / 200.0, f64::from(j) / 200.0);
+                    uu * s * s + 2.0 * uv * s * t + vv * t * t
+                };
+                let found = (0..=200)
+                    .flat_map(|i| (0..=200).map(move |j| at(i, j)))
+                    .fold(0.0, f64::max);
+                let bound = reach(uu, uv, vv);
+                assert!(
+                    found <= bound + 1e-12 && bound <= found + 1e-2,
+                    "{uu} {uv} {vv}"
+                );
+            }
         }
     }
 

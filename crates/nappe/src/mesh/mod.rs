@@ -261,6 +261,7 @@ impl Task<'_> {
                     triangles: Vec::new(),
                     deviation: Certainty::Exact,
                 },
+                pinched: self.shared.pinched(i),
                 gap: 0.0,
                 rounding: self.rounding[i],
                 turned_over: false,

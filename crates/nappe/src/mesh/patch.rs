@@ -12,7 +12,7 @@ use super::zip::Cell;
 use super::{MeshPatch, MeshVertex};
 use crate::breaks::Limit;
 use crate::interval::Interval;
-use crate::surface::{Dir, Side, Surface, normal_at};
+use crate::surface::{Corner, Dir, Side, Surface, normal_at};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -52,6 +52,8 @@ pub(super) struct Builder<'a> {
     /// The vertices on the borders of leaves, one for each block: blocks differ in the normal.
     pub(super) vertex_of: HashMap<([usize; 2], Key), u32>,
     pub(super) patch: MeshPatch,
+    /// The corners of the domain whose triangle may not be made, see [`Shared::pinched`](super::shared::Shared::pinched).
+    pub(super) pinched: [bool; 4],
     /// The largest distance of a vertex' point from the surface.
     pub(super) gap: f64,
     /// The rounding errors of points.
@@ -139,9 +141,16 @@ impl Builder<'_> {
                     east: &chain[3],
                 };
                 let mut triangles = Vec::with_capacity(2);
-                cell.triangles(|t| self.quality(&place, t, poles), |t| triangles.push(t));
+                if self.is_pinched([us[i], us[i + 1]], [vs[j], vs[j + 1]]) {
+                    let uv = [0.5 * (us[i] + us[i + 1]), 0.5 * (vs[j] + vs[j + 1])];
+                    let point = self.add_point(uv, self.surface.point(uv))?;
+                    let middle = self.add_vertex(&place, uv, point);
+                    cell.fan(middle, |t| triangles.push(t));
+                } else {
+                    cell.triangles(|t| self.quality(&place, t, poles), |t| triangles.push(t));
+                }
                 // Those of a cell without further vertices have edges along u and v.
-                let further = chain.iter().any(|c| c.len() > 2);
+                let further = triangles.len() > 2;
                 if let Some(normal) = place.normal.filter(|_| further) {
                     self.turned_over |= !triangles.iter().all(|t| {
                         let p = t.map(|v| self.surface.point(self.uv_of(v, poles)));
@@ -154,6 +163,19 @@ impl Builder<'_> {
             }
         }
         Ok(())
+    }
+
+    /// True if a cell is at a corner of the domain whose triangle may not be made.
+    fn is_pinched(&self, u: [f64; 2], v: [f64; 2]) -> bool {
+        let [du, dv] = self.surface.domain();
+        let at = |[lo, hi]: [f64; 2], d: Interval, end| [lo == d.lo, hi == d.hi][end];
+        Corner::ALL
+            .into_iter()
+            .zip(self.pinched)
+            .any(|(c, pinched)| {
+                let [i, j] = c.ends();
+                pinched && at(u, du, i) && at(v, dv, j)
+            })
     }
 
     fn add_point(&mut self, uv: [f64; 2], p: DVec3) -> Result<u32, MeshError> {

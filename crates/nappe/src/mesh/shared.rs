@@ -9,6 +9,7 @@ use crate::breaks::Limit;
 use crate::interval::Interval;
 use crate::surface::{Corner, Dir, Side, Surface, SurfaceRef, jet_len};
 use glam::DVec3;
+use std::collections::HashMap;
 
 /// The number of samples along a side; partners between them are found by Newton's method from these.
 const SAMPLES: usize = 32;
@@ -244,6 +245,8 @@ pub(super) struct Join {
 pub(super) struct Shared {
     pub(super) joins: Vec<Option<Join>>,
     pub(super) collapsed: Vec<bool>,
+    /// For each leading side the sides joined to it.
+    pub(super) followers: Vec<Vec<usize>>,
     /// For each corner the first corner that is the same point.
     pub(super) corners: Vec<usize>,
 }
@@ -265,8 +268,48 @@ pub(super) fn ends(number: usize) -> [usize; 2] {
     [a, b].map(|c| number / 4 * 4 + c as usize)
 }
 
-/// Finds what is shared. Cost: quadratic in the number of sides for comparing ends, then 10³ points for each pair whose
-/// ends agree.
+/// The leading sides by the place of the middle of their ends, so that only sides that may match are compared.
+struct Places {
+    /// The size of a cell: partners are in the same cell or the next.
+    size: f64,
+    cells: HashMap<[i64; 3], Vec<usize>>,
+}
+
+impl Places {
+    fn new(weld: f64) -> Self {
+        // Middles of partners are no farther apart than their ends.
+        let size = 2.0 * weld.max(f64::MIN_POSITIVE);
+        Self {
+            size,
+            cells: HashMap::new(),
+        }
+    }
+
+    fn cell(&self, [p, q]: [DVec3; 2]) -> [i64; 3] {
+        // Saturates far away, where welding is below rounding anyway: then more is compared.
+        ((0.5 * p + 0.5 * q) / self.size)
+            .to_array()
+            .map(|x| (x.floor() as i64).clamp(i64::MIN + 1, i64::MAX - 1))
+    }
+
+    fn add(&mut self, ends: [DVec3; 2], side: usize) {
+        self.cells.entry(self.cell(ends)).or_default().push(side);
+    }
+
+    /// The sides that may match one with these ends, increasing.
+    fn near(&self, ends: [DVec3; 2]) -> Vec<usize> {
+        let c = self.cell(ends);
+        let mut found = Vec::new();
+        for k in 0..27 {
+            let next = [c[0] + k % 3 - 1, c[1] + k / 3 % 3 - 1, c[2] + k / 9 - 1];
+            found.extend(self.cells.get(&next).into_iter().flatten());
+        }
+        found.sort_unstable();
+        found
+    }
+}
+
+/// Finds what is shared. Cost: proportional to the number of sides, and 10³ points for each pair whose ends agree.
 pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
     let count = 4 * surfaces.len();
     let edges: Vec<Edge> = (0..count).map(|k| edge(surfaces, k)).collect();
@@ -277,6 +320,7 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
     let collapsed: Vec<bool> = edges.iter().map(|e| e.is_collapsed(weld)).collect();
     let mut corners: Vec<usize> = (0..count).collect();
     let mut joins: Vec<Option<Join>> = vec![None; count];
+    let mut places = Places::new(weld);
     for b in 0..count {
         if collapsed[b] {
             let [s, e] = ends(b);
@@ -284,8 +328,9 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
             continue;
         }
         let near = |p: DVec3, q: DVec3| p.distance(q) <= weld;
-        joins[b] = (0..b)
-            .filter(|&a| !collapsed[a] && joins[a].is_none())
+        joins[b] = places
+            .near(tips[b])
+            .into_iter()
             .filter(|&a| {
                 let ([p, q], [s, e]) = (tips[a], tips[b]);
                 (near(p, s) && near(q, e)) || (near(p, e) && near(q, s))
@@ -303,10 +348,19 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
             };
             unite(&mut corners, p, s);
             unite(&mut corners, q, e);
+        } else {
+            places.add(tips[b], b);
         }
     }
     let corners = (0..count).map(|c| root(&corners, c)).collect();
+    let mut followers = vec![Vec::new(); count];
+    for (k, join) in joins.iter().enumerate() {
+        if let Some(join) = join {
+            followers[join.leader].push(k);
+        }
+    }
     Shared {
+        followers,
         joins,
         collapsed,
         corners,
@@ -327,14 +381,39 @@ fn unite(parents: &mut [usize], a: usize, b: usize) {
 }
 
 impl Shared {
-    /// The fewest cells across a surface along u and v for which no triangle has two corners in one place: around
-    /// closed directions three, between two poles two.
+    /// The side that leads the sides joined to this one, or itself.
+    fn leader(&self, number: usize) -> usize {
+        self.joins[number].as_ref().map_or(number, |j| j.leader)
+    }
+
+    /// True if another surface has both of these sides of a surface, not collapsed.
+    fn both_shared(&self, surface: usize, sides: [Side; 2]) -> bool {
+        let numbers = sides.map(|s| 4 * surface + s as usize);
+        let leaders = numbers.map(|k| self.leader(k));
+        !numbers.iter().any(|&k| self.collapsed[k])
+            && self
+                .members(leaders[0])
+                .any(|a| a / 4 != surface && self.members(leaders[1]).any(|b| b / 4 == a / 4))
+    }
+
+    /// The sides joined to a leading side, and itself.
+    fn members(&self, leader: usize) -> impl Iterator<Item = usize> + '_ {
+        let of_leader = &self.followers[leader];
+        std::iter::once(leader).chain(of_leader.iter().copied())
+    }
+
+    /// The corners at which both sides are sides of another surface as well: there both surfaces must not have the
+    /// triangle of the corner and its neighbours on the two sides, which would lie back to back.
+    pub(super) fn pinched(&self, surface: usize) -> [bool; 4] {
+        Corner::ALL.map(|c| self.both_shared(surface, c.sides()))
+    }
+
+    /// The fewest cells across a surface along u and v for which no triangle has two corners in one place, and no two
+    /// triangles the same three: around closed directions three, between two poles two, and two between two sides that
+    /// are also sides of another surface.
     pub(super) fn least_cells(&self, surface: usize) -> [f64; 2] {
         let number = |s: Side| 4 * surface + s as usize;
-        let group = |s: Side| {
-            let k = number(s);
-            self.joins[k].as_ref().map_or(k, |j| j.leader)
-        };
+        let group = |s: Side| self.leader(number(s));
         let mut least = [1.0f64; 2];
         for (i, a) in Side::ALL.into_iter().enumerate() {
             for b in Side::ALL.into_iter().skip(i + 1) {
@@ -353,6 +432,9 @@ impl Shared {
                     } else {
                         least = least.map(|l| l.max(3.0));
                     }
+                } else if opposite && self.both_shared(surface, [a, b]) {
+                    let d = index(a.across());
+                    least[d] = least[d].max(2.0);
                 }
             }
         }

@@ -10,7 +10,8 @@
 //!
 //! **Theorem.** The two-sided Hausdorff distance between `r(B)` and `L(B)` is at most `√((ε + σδ)² + δ²)` with
 //!
-//! - `ε = ⅛ (sup|N·r_uu| Δu² + 2 sup|N·r_uv| Δu Δv + sup|N·r_vv| Δv²) / inf N·n`,
+//! - `ε` the bound of the corollary in `bound` for the component along `N / N·n`: at most
+//!   `⅛ (sup|N·r_uu| Δu² + 2 sup|N·r_uv| Δu Δv + sup|N·r_vv| Δv²) / inf N·n`,
 //! - `σ = sup |πN| / inf N·n`, the greatest slope,
 //! - `δ` the greatest distance within the plane between the projected sides of `B` and their chords.
 //!
@@ -76,7 +77,7 @@ pub(super) fn slide(
         return None;
     }
     let [du, dv] = uv.map(Interval::width);
-    let part = |k: usize| across.dot(d[k]).mag() / least;
+    let part = |k: usize, size: f64| across.dot(d[k]) / across.z * Interval::point(size * ROUND_UP);
     let side = |dir: usize, at: f64| {
         let mut line = uv;
         line[1 - dir] = Interval::point(at);
@@ -85,11 +86,7 @@ pub(super) fn slide(
         0.125 * leave(plane(d[1 + dir]), plane(d[[3, 5][dir]])) * size * size * ROUND_UP
     };
     let straight = Bend {
-        across: [
-            0.125 * part(3) * du * du * ROUND_UP,
-            0.25 * part(4) * du * dv * ROUND_UP,
-            0.125 * part(5) * dv * dv * ROUND_UP,
-        ],
+        across: [part(3, du * du), part(4, du * dv), part(5, dv * dv)],
         slope: slope * ROUND_UP,
         normal: Some(normal),
         ..*plain

@@ -64,10 +64,9 @@ pub(super) fn stitch(
         if shared.joins[leader].is_some() {
             continue;
         }
-        let members: Vec<(usize, &Map)> = (leader + 1..shared.joins.len())
-            .filter_map(|k| shared.joins[k].as_ref().map(|j| (k, j)))
-            .filter(|(_, j)| j.leader == leader)
-            .map(|(k, j)| (k, &j.map))
+        let members: Vec<(usize, &Map)> = shared.followers[leader]
+            .iter()
+            .filter_map(|&k| Some((k, &shared.joins[k].as_ref()?.map)))
             .collect();
         let edges: Vec<Edge> = members.iter().map(|&(k, _)| edge(surfaces, k)).collect();
 

@@ -1,7 +1,7 @@
 //! Triangles for one cell: a rectangle of parameters with extra vertices on its sides.
 //!
 //! Every triangle has its corners on at least two sides and never all three on one: none is degenerate in the plane of
-//! the parameters. No vertex is added inside.
+//! the parameters. No vertex is added inside, but for a fan around a vertex in the middle.
 
 /// The vertices of a cell, counter-clockwise chains that include their end corners: south and north run along u, west
 /// and east along v.
@@ -13,6 +13,21 @@ pub(super) struct Cell<'a> {
 }
 
 impl Cell<'_> {
+    /// Hands out the triangles around a vertex in the middle, counter-clockwise in (u, v): none has its corners on the
+    /// sides alone.
+    pub(super) fn fan(&self, middle: u32, mut emit: impl FnMut([u32; 3])) {
+        let forward = |chain: &[u32], emit: &mut dyn FnMut([u32; 3])| {
+            chain.windows(2).for_each(|e| emit([e[0], e[1], middle]));
+        };
+        let backward = |chain: &[u32], emit: &mut dyn FnMut([u32; 3])| {
+            chain.windows(2).for_each(|e| emit([e[1], e[0], middle]));
+        };
+        forward(self.south, &mut emit);
+        forward(self.east, &mut emit);
+        backward(self.north, &mut emit);
+        backward(self.west, &mut emit);
+    }
+
     /// Hands out the triangles, counter-clockwise in (u, v). `quality` is larger for better shaped triangles.
     pub(super) fn triangles(
         &self,
@@ -124,6 +139,18 @@ mod tests {
             });
             assert!((sum - 1.0).abs() < 1e-12);
             assert_eq!(count, 2 + extra.iter().sum::<usize>());
+            points.push([0.5, 0.5]);
+            let middle = points.len() as u32 - 1;
+            let area = |t: [u32; 3]| {
+                let [a, b, c] = t.map(|i| points[i as usize]);
+                0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+            };
+            let mut sum = 0.0;
+            cell.fan(middle, |t| {
+                assert!(area(t) > 1e-9 && t.contains(&middle));
+                sum += area(t);
+            });
+            assert!((sum - 1.0).abs() < 1e-12);
         }
     }
 }
