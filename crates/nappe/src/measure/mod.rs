@@ -9,6 +9,7 @@ mod curvature;
 mod extent;
 mod integral;
 mod jump;
+mod overlap;
 mod regularity;
 mod search;
 mod shape;
@@ -22,5 +23,6 @@ pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes}
 pub use extent::{Extent, extent};
 pub use integral::{IntegralOptions, Measured};
 pub use jump::{Jump, JumpOptions};
+pub use overlap::{Meeting, Overlap, OverlapOptions, Overlaps, overlaps};
 pub use regularity::{Regularity, regularity};
 pub use search::{Extreme, SearchOptions};
