@@ -8,10 +8,10 @@
 //! in the one and then in the other rectangle, and along which u and v are monotone, gives `r(q) - r(p) = A + B`, with
 //! `±A = Σ aᵢcᵢ`, `aᵢ` means of `r_u` over parts of the path in either rectangle, and `±B = Σ bⱼdⱼ` of `r_v` likewise. If
 //! `f·(aᵢ × bⱼ) > 0` for all, `f·(A × B) = ± Σ cᵢdⱼ f·(aᵢ × bⱼ)`; so `A + B = 0` only if A or B has no terms, and then
-//! neither has: different parameters have different points. (Beside a pole: the path runs along u at the one of both
-//! values of v that is nearer to the pole.)
+//! neither has: different parameters have different points, but for those of a pole. This applies to two rectangles of a
+//! larger one as well.
 //!
-//! **Across a shared side** `e`, or a crease. With `bₚ`, `b_q` means of the inward tangents across the side and T a mean
+//! **Across a shared side** `e`, or a crease, for rectangles that reach to it or are grown so far. With `bₚ`, `b_q` means of the inward tangents across the side and T a mean
 //! of `e'`: `r(p) - r(q) = T s + bₚ c - b_q d + j` with the gap `|j| ≤ g`. Where the points are the same, the cross product
 //! with T is `(T × bₚ) c - (T × b_q) d = -T × j`; if `f·(T × bₚ) > 0 > f·(T × b_q)` for all T, bₚ, b_q, then c and d are
 //! at most `|T| g` over the least product. This holds for every angle between the surfaces but 0: f is square to the
@@ -53,12 +53,14 @@ pub(super) fn apart(trees: [&Tree; 2], x: &Node, y: &Node, links: &Links, contac
     {
         return true;
     }
-    (links.is_self && x.touches(y) && beside(x, y))
+    (links.is_self && (x.touches(y) && beside(x, y) || inside(trees[0], x, y)))
         || links.seams.iter().any(|s| {
-            across(trees, x, y, s, contact) || (links.is_self && across(trees, y, x, s, contact))
+            across(trees, [x, y], s, contact)
+                || (links.is_self && across(trees, [y, x], s, contact))
         })
-        || links.places.iter().any(|[p, q]| {
-            around(x, y, [p, q], contact) || (links.is_self && around(y, x, [p, q], contact))
+        || links.places.iter().any(|p| {
+            around(trees, [x, y], p, contact)
+                || (links.is_self && around(trees, [y, x], p, contact))
         })
 }
 
@@ -70,39 +72,47 @@ fn beside(x: &Node, y: &Node) -> bool {
     half_space(&products).is_some()
 }
 
-fn across(trees: [&Tree; 2], x: &Node, y: &Node, seam: &Seam, contact: f64) -> bool {
+/// Both are in one rectangle whose points are all different.
+fn inside(tree: &Tree, x: &Node, y: &Node) -> bool {
+    let both = [0, 1].map(|d| x.uv[d].hull(y.uv[d]));
+    // A rectangle that is that of one of them was looked at already.
+    !(both == x.uv || both == y.uv)
+        && tree
+            .grow(if x.size() > y.size() { x } else { y }, both)
+            .is_some_and(|z| beside(&z, &z))
+}
+
+fn across(trees: [&Tree; 2], [x, y]: [&Node; 2], seam: &Seam, contact: f64) -> bool {
     let [first, second] = &seam.borders;
-    if !(first.meets(x) && second.meets(y)) {
+    let (Some(x), Some(y)) = (
+        first.reach(x.uv).and_then(|uv| trees[0].grow(x, uv)),
+        second.reach(y.uv).and_then(|uv| trees[1].grow(y, uv)),
+    ) else {
         return false;
-    }
+    };
     let Some(range) = seam.back(y.uv[1 - second.across]) else {
         return false;
     };
-    let tangent = first.tangent(trees[0].surface, range.hull(x.uv[1 - first.across]));
-    let inward = [first.inward(x), second.inward(y)];
+    let tangent = seam.tangent(trees[0].surface, range.hull(x.uv[1 - first.across]));
+    let inward = [first.inward(&x), second.inward(&y)];
     let sets = [tangent.cross(inward[0]), inward[1].cross(tangent)];
     let Some((_, least)) = half_space(&sets) else {
         return false;
     };
-    (0..2).all(|k| {
-        reach(
-            inward[k],
-            least[k],
-            tangent.norm() * Interval::point(seam.gap),
-        ) <= contact
-    })
+    let gap = tangent.norm() * Interval::point(seam.gap);
+    (0..2).all(|k| reach(inward[k], least[k], gap) <= contact)
 }
 
-fn around(x: &Node, y: &Node, [p, q]: [&Place; 2], contact: f64) -> bool {
-    let (Some(a), Some(b)) = (p.inward(x), q.inward(y)) else {
+fn around(trees: [&Tree; 2], [x, y]: [&Node; 2], [p, q]: &[Place; 2], contact: f64) -> bool {
+    let (Some(x), Some(y)) = (
+        trees[0].grow(x, p.reach(x.uv)),
+        trees[1].grow(y, q.reach(y.uv)),
+    ) else {
         return false;
     };
     let minus = Interval::point(-1.0);
-    let sets: Vectors = a
-        .iter()
-        .copied()
-        .chain(b.iter().map(|v| v.scale(minus)))
-        .collect();
+    let away = q.inward(&y).into_iter().map(|v| v.scale(minus));
+    let sets: Vectors = p.inward(&x).into_iter().chain(away).collect();
     let gap = (Box3::point(p.point) - Box3::point(q.point)).norm();
     half_space(&sets).is_some_and(|(_, least)| {
         sets.iter()

@@ -10,6 +10,8 @@ use crate::mesh::shared::{Edge, matching};
 use crate::surface::{Corner, Dir, Side, Surface};
 use glam::DVec3;
 use smallvec::SmallVec;
+use std::cell::RefCell;
+use std::collections::HashMap;
 
 /// A line of constant parameter, with the surface on one side of it.
 #[derive(Clone, Copy, Debug)]
@@ -31,9 +33,22 @@ impl Border {
         }
     }
 
-    pub(super) fn meets(&self, x: &Node) -> bool {
+    fn meets(&self, x: &Node) -> bool {
         let t = x.uv[self.across];
         self.at == if self.below { t.hi } else { t.lo }
+    }
+
+    /// The rectangle grown up to the line; `None` if it lies beyond the line.
+    pub(super) fn reach(&self, uv: [Interval; 2]) -> Option<[Interval; 2]> {
+        let t = uv[self.across];
+        let beyond = if self.below {
+            t.hi > self.at
+        } else {
+            t.lo < self.at
+        };
+        let mut grown = uv;
+        grown[self.across] = toward(t, self.at, self.below);
+        (!beyond).then_some(grown)
     }
 
     /// The tangents across the line, into the surface.
@@ -43,7 +58,7 @@ impl Border {
     }
 
     /// The tangents along the line.
-    pub(super) fn tangent(&self, surface: &dyn Surface, range: Interval) -> Box3 {
+    fn tangent(&self, surface: &dyn Surface, range: Interval) -> Box3 {
         surface.enclose(self.with(range), 1)[2 - self.across]
     }
 
@@ -70,9 +85,20 @@ pub(super) struct Seam {
     cells: Vec<Cell>,
     /// A bound of the distance between corresponding points.
     pub(super) gap: f64,
+    /// The tangents over ranges that were asked for before: many pairs of rectangles lie at the same part.
+    known: RefCell<HashMap<[u64; 2], Box3>>,
 }
 
 impl Seam {
+    /// The tangents along the first side.
+    pub(super) fn tangent(&self, surface: &dyn Surface, range: Interval) -> Box3 {
+        *self
+            .known
+            .borrow_mut()
+            .entry([range.lo.to_bits(), range.hi.to_bits()])
+            .or_insert_with(|| self.borders[0].tangent(surface, range))
+    }
+
     /// A range of the first side's parameter that contains all that correspond to a range of the second's.
     pub(super) fn back(&self, t: Interval) -> Option<Interval> {
         if self.cells.is_empty() {
@@ -124,20 +150,32 @@ impl Place {
         found
     }
 
-    /// The tangents that lead into the surface; `None` if the rectangle is not at the place.
-    pub(super) fn inward(&self, x: &Node) -> Option<SmallVec<[Box3; 2]>> {
-        let mut tangents = SmallVec::new();
-        for (d, end) in self.ends.iter().enumerate() {
-            if let &Some((at, below)) = end {
-                let t = x.uv[d];
-                if at != (if below { t.hi } else { t.lo }) {
-                    return None;
-                }
-                let sign = if below { -1.0 } else { 1.0 };
-                tangents.push(x.along[d].scale(Interval::point(sign)));
-            }
-        }
-        Some(tangents)
+    /// The rectangle grown up to the place.
+    pub(super) fn reach(&self, uv: [Interval; 2]) -> [Interval; 2] {
+        [0, 1].map(|d| self.ends[d].map_or(uv[d], |(at, below)| toward(uv[d], at, below)))
+    }
+
+    fn meets(&self, x: &Node) -> bool {
+        self.reach(x.uv) == x.uv
+    }
+
+    /// The tangents that lead into the surface, over a rectangle at the place.
+    pub(super) fn inward(&self, x: &Node) -> SmallVec<[Box3; 2]> {
+        let ends = self.ends.iter().zip(&x.along);
+        ends.filter_map(|(end, along)| {
+            let &(_, below) = end.as_ref()?;
+            Some(along.scale(Interval::point(if below { -1.0 } else { 1.0 })))
+        })
+        .collect()
+    }
+}
+
+/// A range grown up to an end.
+fn toward(t: Interval, at: f64, below: bool) -> Interval {
+    if below {
+        Interval { hi: at, ..t }
+    } else {
+        Interval { lo: at, ..t }
     }
 }
 
@@ -173,6 +211,7 @@ impl Links {
                         borders: [border(true), border(false)],
                         cells: Vec::new(),
                         gap: rounding,
+                        known: RefCell::default(),
                     });
                 }
             }
@@ -196,9 +235,7 @@ impl Links {
     /// True if both rectangles lie at something shared.
     pub(super) fn join(&self, x: &Node, y: &Node) -> bool {
         let seam = |s: &Seam, x: &Node, y: &Node| s.borders[0].meets(x) && s.borders[1].meets(y);
-        let place = |p: &[Place; 2], x: &Node, y: &Node| {
-            p[0].inward(x).is_some() && p[1].inward(y).is_some()
-        };
+        let place = |p: &[Place; 2], x: &Node, y: &Node| p[0].meets(x) && p[1].meets(y);
         self.seams
             .iter()
             .any(|s| seam(s, x, y) || (self.is_self && seam(s, y, x)))
@@ -245,5 +282,6 @@ fn seam(
         borders: [Border::of(a.0, a.1), Border::of(b.0, b.1)],
         cells: pair.cells,
         gap: gap + rounding,
+        known: RefCell::default(),
     })
 }

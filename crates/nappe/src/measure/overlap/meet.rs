@@ -65,7 +65,7 @@ impl Meet<'_> {
                 return Some(Root { uv, point });
             }
             // The first steps may be clamped; afterwards they must gain.
-            if !distance.is_finite() || (step > 3 && distance > SLOW * last) {
+            if !distance.is_finite() || (step > 2 && distance > SLOW * last) {
                 return None;
             }
             last = distance;

@@ -30,11 +30,11 @@ pub struct OverlapOptions {
 }
 
 impl OverlapOptions {
-    /// The defaults with a contact distance: 20000 pairs of rectangles.
+    /// The defaults with a contact distance: 10000 pairs of rectangles.
     pub fn with_contact(contact: f64) -> Self {
         Self {
             contact,
-            budget: 20_000,
+            budget: 10_000,
         }
     }
 }
@@ -90,8 +90,9 @@ const POLE: f64 = 1e-9;
 const SMALLEST: f64 = 1e-3;
 /// The accuracy to which points are computed, relative to the greatest coordinate.
 const ROUNDING: f64 = 1e-12;
-/// A common point is looked for in every pair of rectangles halved at least this often in all.
-const TRIED_FROM: u32 = 4;
+/// A common point is looked for after every so many halvings: it takes as long as an enclosure, and is found as well a
+/// little later.
+const TRIED_AFTER: u32 = 4;
 /// How much more is looked at, relative to the budget, after surfaces were found to touch: they may cross elsewhere.
 const AFTER_TOUCH: usize = 10;
 
@@ -157,11 +158,7 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
     if !is_self && !near(roots[0].bounds, roots[1].bounds) {
         return None;
     }
-    let far = roots
-        .iter()
-        .flat_map(|r| r.bounds.to_array())
-        .fold(0.0f64, |m, r| m.max(r.mag()));
-    let rounding = ROUNDING * far;
+    let rounding = ROUNDING * trees[i].far().max(trees[j].far());
     let contact = options.contact;
     let links = Links::between(&trees[i], &trees[j], is_self, contact, rounding);
     let surfaces = pair.map(|k| trees[k].surface);
@@ -206,7 +203,7 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
             continue;
         }
         let is_same = is_self && top.nodes[0] == top.nodes[1];
-        if !is_same && top.halvings >= TRIED_FROM {
+        if !is_same && top.halvings % TRIED_AFTER == TRIED_AFTER - 1 {
             let explained = |r: &Root| {
                 (is_self && part(surfaces[0], r.uv) <= contact)
                     || links.explain(surfaces, r.uv, contact)

@@ -5,6 +5,8 @@ use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
 use crate::surface::{Dir, Side, Surface, jet_index, normal_at};
 use glam::DVec3;
+use std::cell::RefCell;
+use std::collections::HashMap;
 
 /// A rectangle of parameters.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +61,13 @@ pub(super) struct Tree<'a> {
     pub(super) root: usize,
     /// The sides that are one point.
     pub(super) poles: Vec<Side>,
+    /// Other rectangles that were asked for, by their ends.
+    grown: RefCell<HashMap<[u64; 4], Node>>,
 }
+
+/// A rectangle is grown by at most this many times its own width. Larger, and its tangents would vary too much for a
+/// proof; smaller, and more and smaller rectangles would be looked at.
+const GROWTH: f64 = 2.0;
 
 impl<'a> Tree<'a> {
     pub(super) fn new(surface: &'a dyn Surface, poles: Vec<Side>) -> Self {
@@ -68,10 +76,23 @@ impl<'a> Tree<'a> {
             nodes: Vec::new(),
             root: 0,
             poles,
+            grown: RefCell::default(),
         };
         let pieces = [Dir::U, Dir::V].map(|d| surface.breaks(d).pieces());
         tree.root = tree.over([[0, pieces[0]], [0, pieces[1]]]);
         tree
+    }
+
+    /// The greatest coordinate: of the box around the surface, or if that is not bounded, of the points in the middles of
+    /// the nodes.
+    pub(super) fn far(&self) -> f64 {
+        let greatest = |b: Box3| b.to_array().iter().fold(0.0f64, |m, r| m.max(r.mag()));
+        let whole = greatest(self.nodes[self.root].bounds);
+        if whole.is_finite() {
+            return whole;
+        }
+        let middles = self.nodes.iter().map(|n| greatest(n.at));
+        middles.filter(|m| m.is_finite()).fold(0.0, f64::max)
     }
 
     /// The node over ranges of analytic pieces; the enclosures of more than one piece come from those of its halves.
@@ -110,7 +131,7 @@ impl<'a> Tree<'a> {
         self.nodes.len() - 1
     }
 
-    /// A node in one piece.
+    /// A node from its own enclosures.
     fn node(&self, uv: [Interval; 2]) -> Node {
         let domain = self.surface.domain();
         let touched: Vec<Side> = self
@@ -145,6 +166,24 @@ impl<'a> Tree<'a> {
             normal: normal_at(self.surface, m, [Limit::Above; 2]).vector(),
             halves: None,
         }
+    }
+
+    /// The node of a rectangle around `x`; `None` if that is much larger.
+    pub(super) fn grow(&self, x: &Node, uv: [Interval; 2]) -> Option<Node> {
+        if uv == x.uv {
+            return Some(*x);
+        }
+        if (0..2).any(|d| uv[d].width() > (1.0 + GROWTH) * x.uv[d].width()) {
+            return None;
+        }
+        let key = [uv[0].lo, uv[0].hi, uv[1].lo, uv[1].hi].map(f64::to_bits);
+        Some(
+            *self
+                .grown
+                .borrow_mut()
+                .entry(key)
+                .or_insert_with(|| self.node(uv)),
+        )
     }
 
     /// The halves of a node across its longer extent; `None` if it is too narrow to halve.
