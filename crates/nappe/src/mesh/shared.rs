@@ -265,7 +265,7 @@ pub(super) fn ends(number: usize) -> [usize; 2] {
     [a, b].map(|c| number / 4 * 4 + c as usize)
 }
 
-/// Finds what is shared. Cost: quadratic in the number of sides for comparing ends, then 10³ points for each pair whose
+/// Finds what is shared within `weld`, or within a small share of what is smaller than that (see `closing`). Cost: quadratic in the number of sides for comparing ends, then 10³ points for each pair whose
 /// ends agree.
 pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
     let count = 4 * surfaces.len();
@@ -274,7 +274,11 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
         .iter()
         .map(|e| [e.point(e.range.lo), e.point(e.range.hi)])
         .collect();
-    let collapsed: Vec<bool> = edges.iter().map(|e| e.is_collapsed(weld)).collect();
+    let collapsed: Vec<bool> = edges
+        .iter()
+        .map(|e| e.is_collapsed(e.point_within(weld)))
+        .collect();
+    let within: Vec<f64> = edges.iter().map(|e| e.join_within(weld)).collect();
     let mut corners: Vec<usize> = (0..count).collect();
     let mut joins: Vec<Option<Join>> = vec![None; count];
     for b in 0..count {
@@ -283,15 +287,15 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
             unite(&mut corners, s, e);
             continue;
         }
-        let near = |p: DVec3, q: DVec3| p.distance(q) <= weld;
         joins[b] = (0..b)
             .filter(|&a| !collapsed[a] && joins[a].is_none())
             .filter(|&a| {
                 let ([p, q], [s, e]) = (tips[a], tips[b]);
+                let near = |p: DVec3, q: DVec3| p.distance(q) <= within[a].min(within[b]);
                 (near(p, s) && near(q, e)) || (near(p, e) && near(q, s))
             })
             .find_map(|a| {
-                let map = matching(&edges[a], &edges[b], weld)?;
+                let map = matching(&edges[a], &edges[b], within[a].min(within[b]))?;
                 Some(Join { leader: a, map })
             });
         if let Some(join) = &joins[b] {

@@ -5,6 +5,7 @@ use crate::failure::Failure;
 use crate::model::ModelArgs;
 use crate::scene;
 use crate::screen::Screen;
+use crate::slits::JOINED;
 use crate::text::{Table, bound, number};
 use nappe::measure::{
     Continuity, Crease, Jump, JumpOptions, Regularity, Smoothness, continuity, creases, regularity,
@@ -45,8 +46,6 @@ pub(crate) struct Args {
     format: ReportFormat,
 }
 
-/// Sides that are farther apart than this share of the tolerance are not joined by the mesh.
-const JOINED: f64 = 0.05;
 /// Tangent planes that differ by less (0.1°) count as smooth where nothing is declared.
 const SMOOTH_ANGLE: f64 = std::f64::consts::PI / 1800.0;
 /// Curvatures that differ by less, relatively, count as the same where nothing is declared.
