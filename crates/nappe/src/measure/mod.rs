@@ -2,6 +2,7 @@
 //! may be from the truth.
 
 mod along;
+mod apex;
 mod area;
 mod continuity;
 mod crease;

@@ -14,7 +14,7 @@ pub(super) const DEGREE: usize = 6;
 const POINT: f64 = 1e-12;
 /// Sine of the angle by which the tangents in a pole may leave their plane. Larger, and a blunt cone would count as
 /// smooth; smaller, and rounding would make smooth poles cones.
-const PLANE: f64 = 1e-9;
+pub(super) const PLANE: f64 = 1e-9;
 
 /// The shape operator `[[p, q], [q, s]]` in an orthonormal basis of the tangent plane.
 pub(super) struct Shape {
@@ -106,7 +106,13 @@ impl ShapeForm {
 }
 
 /// True if the side of the box where the parameter `d` has the value `at` is one point, within rounding.
-fn is_point(surface: &dyn Surface, uv: [Interval; 2], d: usize, at: f64, size: f64) -> bool {
+pub(super) fn is_point(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    d: usize,
+    at: f64,
+    size: f64,
+) -> bool {
     let mut side = uv;
     side[d] = Interval::point(at);
     let mut limit = [Limit::Above; 2];

@@ -67,7 +67,7 @@ pub(super) struct Tree<'a> {
 
 /// A rectangle is grown by at most this many times its own width. Larger, and its tangents would vary too much for a
 /// proof; smaller, and more and smaller rectangles would be looked at.
-const GROWTH: f64 = 2.0;
+const GROWTH: f64 = 4.0;
 
 impl<'a> Tree<'a> {
     pub(super) fn new(surface: &'a dyn Surface, poles: Vec<Side>) -> Self {
