@@ -1,11 +1,12 @@
 //! Poles where curvature grows without bound, like the tip of a cone.
 //!
-//! Let the side u = u₀ be one point, so `r_v = δρ` with `δ = u - u₀` and `ρ → r_uv`. With `N = r_u × ρ` the normal is
+//! Let `r_v = r_vv = 0` in a place of the side u = u₀, as where it is one point: beside it `r_v = δρ`, `r_vv = δρ_v` with
+//! `δ = u - u₀`, `ρ → r_uv` and `ρ_v → r_uvv`. With `N = r_u × ρ` the normal is
 //! `±N/|N|`, and the normal curvature square to r_u is `ρ_v·N / (δ |N| |w|²)` plus what stays bounded, w being the part
 //! of ρ square to r_u: if `ρ_v·N ≠ 0` somewhere on the side, it is unbounded, and so is the mean curvature. If the
 //! curvature along r_u is not zero there, that of Gauss is unbounded too.
 
-use super::shape::{PLANE, is_point};
+use super::shape::{PLANE, POINT};
 use crate::box3::Box3;
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
@@ -30,26 +31,27 @@ pub(super) fn apexes(surface: &dyn Surface, size: f64) -> Vec<Apex> {
         let (across, along) = (surface.breaks(across), surface.breaks(along));
         for upper in [false, true] {
             let beside = across.piece(if upper { across.pieces() - 1 } else { 0 });
-            let at = if upper { beside.hi } else { beside.lo };
             for k in 0..along.pieces() {
                 let mut uv = [beside, along.piece(k)];
                 if d == 1 {
                     uv.swap(0, 1);
                 }
-                if is_point(surface, uv, d, at, size) {
-                    found.extend(
-                        PLACES
-                            .iter()
-                            .filter_map(|s| apex(surface, uv, d, upper, *s)),
-                    );
-                }
+                let place = |s: &f64| apex(surface, uv, d, upper, *s, size);
+                found.extend(PLACES.iter().filter_map(place));
             }
         }
     }
     found
 }
 
-fn apex(surface: &dyn Surface, uv: [Interval; 2], d: usize, upper: bool, s: f64) -> Option<Apex> {
+fn apex(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    d: usize,
+    upper: bool,
+    s: f64,
+    size: f64,
+) -> Option<Apex> {
     let other = uv[1 - d];
     let mut p = [other.lo + (other.hi - other.lo) * s; 2];
     p[d] = if upper { uv[d].hi } else { uv[d].lo };
@@ -67,6 +69,12 @@ fn apex(surface: &dyn Surface, uv: [Interval; 2], d: usize, upper: bool, s: f64)
             jet_index(b, a)
         }]
     };
+    let width = other.width();
+    let is_point = of(0, 1).norm().hi * width <= POINT * size
+        && of(0, 2).norm().hi * width * width <= POINT * size;
+    if !is_point {
+        return None;
+    }
     let normal = if d == 0 {
         of(1, 0).cross(of(1, 1))
     } else {
