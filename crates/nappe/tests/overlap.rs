@@ -48,10 +48,13 @@ fn placed(s: &[SurfaceRef], scale: f64, far: f64) -> Vec<SurfaceRef> {
 fn examined(s: &[SurfaceRef], contact: f64) -> Overlaps {
     let found = overlaps(s, &OverlapOptions::with_contact(contact));
     assert_eq!(found.found.len() + found.apart, s.len() * (s.len() + 1) / 2);
+    // The accuracy of points is relative to the greatest coordinate.
+    let boxes = s.iter().flat_map(|s| s.bounds(s.domain()).to_array());
+    let far = boxes.fold(0.0f64, |m, i| m.max(i.mag()));
     for o in &found.found {
         let [p, q] = [0, 1].map(|k| s[o.surfaces[k]].point(o.uv[k]));
         if !matches!(o.meeting, Meeting::Undecided { .. }) {
-            assert!(p.distance(q) <= 1e-11 * (1.0 + p.length()), "{o:?}");
+            assert!(p.distance(q) <= 1e-12 * far, "{o:?}");
         }
     }
     found
