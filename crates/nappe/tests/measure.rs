@@ -421,7 +421,7 @@ fn a_small_open_surface_beside_a_large_one_is_not_called_closed() {
         };
         assert!(weld <= 0.011 * small, "{weld}");
         // Closed ones still are.
-        assert!(closed(&[large.clone()]).is_ok());
+        assert!(closed(std::slice::from_ref(&large)).is_ok());
         let ball = placed(
             &sphere(Construction::Angle),
             small.max(1e-3),

@@ -32,18 +32,18 @@ impl Passing {
 
     pub(super) fn text(&self) -> String {
         let pairs = self.names.len() * (self.names.len() + 1) / 2;
-        let away = format!(
-            "away from shared sides by more than {} {}",
+        let but = format!(
+            "but within {} {} of shared sides and corners",
             number(self.tolerance, 4),
             self.unit
         );
         let head = "Surfaces that pass through themselves or each other";
         if self.all.found.is_empty() {
-            return format!("{head}: none, proven {away}");
+            return format!("{head}: none, proven ({but})");
         }
         format!(
             "{head}\n\n{}\n\nThe other {} of {pairs} pairs, each surface with itself included, are proven to have no common \
-             points {away}.",
+             points {but}.",
             self.table(),
             self.all.apart
         )
@@ -85,7 +85,11 @@ impl Passing {
             Meeting::Overlaps => "have an area in common, found".to_owned(),
             Meeting::Touches => "touch; that they cross is not excluded".to_owned(),
             Meeting::Undecided { distance } => {
-                format!("not decided; {} {} apart", bound(distance, 3), self.unit)
+                format!(
+                    "not decided; these places are {} {} apart",
+                    bound(distance, 3),
+                    self.unit
+                )
             }
         }
     }

@@ -141,7 +141,7 @@ fn half_space(sets: &[Box3]) -> Option<(DVec3, SmallVec<[f64; 4]>)> {
             .min_by(|a, b| f.dot(*a).total_cmp(&f.dot(*b)))?;
         let step = worst - f;
         let share = -f.dot(step) / step.length_squared();
-        if !(share > 0.0) {
+        if share.is_nan() || share <= 0.0 {
             break;
         }
         f += step * share.min(1.0);
