@@ -46,7 +46,9 @@ fn placed(s: &[SurfaceRef], scale: f64, far: f64) -> Vec<SurfaceRef> {
 }
 
 fn examined(s: &[SurfaceRef], contact: f64) -> Overlaps {
-    let found = overlaps(s, &OverlapOptions::with_contact(contact));
+    // Twice the default: thin gaps need more pairs of rectangles.
+    let budget = 20_000;
+    let found = overlaps(s, &OverlapOptions { contact, budget });
     assert_eq!(found.found.len() + found.apart, s.len() * (s.len() + 1) / 2);
     // The accuracy of points is relative to the greatest coordinate.
     let boxes = s.iter().flat_map(|s| s.bounds(s.domain()).to_array());
