@@ -10,6 +10,7 @@ mod model;
 mod output;
 mod scene;
 mod screen;
+mod slits;
 mod text;
 
 use clap::Parser;

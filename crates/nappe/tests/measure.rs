@@ -6,8 +6,8 @@ use nappe::curve::{CurveRef, ExpressionCurve};
 use nappe::exact::NurbsSurface;
 use nappe::expr::Expr;
 use nappe::measure::{
-    IntegralOptions, SearchOptions, VolumeError, area, curvature, curvature_extremes, extent,
-    volume,
+    Extreme, IntegralOptions, SearchOptions, VolumeError, area, curvature, curvature_extremes,
+    extent, volume,
 };
 use nappe::mesh::Certainty;
 use nappe::surface::{
@@ -338,16 +338,106 @@ fn curvature_extremes_are_proven_up_to_poles_and_umbilics() {
 }
 
 #[test]
-fn the_curvature_of_an_apex_is_not_called_proven() {
-    let cone = revolved("2*t", "5*t", Construction::Angle);
+fn curvature_beside_an_apex_is_unbounded() {
     let few = SearchOptions {
         budget: 200,
         ..Default::default()
     };
-    let e = curvature_extremes(cone.as_ref(), &few).unwrap();
-    assert!(matches!(e.k1.certainty, Certainty::Estimated(_)), "{e:?}");
-    // The other end of a cone's range is 0.
-    assert!(e.k2.value.abs() < 1e-9, "{e:?}");
+    let unbounded =
+        |e: &Extreme, sign: f64| e.value == sign * f64::INFINITY && e.certainty == Certainty::Exact;
+    // A cone whose normals point away from the axis, upwards: it bends away from them.
+    for (scale, far) in PLACES {
+        for construction in [Construction::Angle, Construction::Rational] {
+            let cone = placed(
+                &revolved("2*t", "-5*t", construction),
+                scale,
+                v(far, -far, far),
+            );
+            let e = curvature_extremes(cone.as_ref(), &few).unwrap();
+            assert!(
+                unbounded(&e.k2, -1.0) && unbounded(&e.mean[0], -1.0),
+                "{e:?}"
+            );
+            assert_eq!(e.smallest_radius, 0.0);
+            // A cone is flat in the sense of Gauss, and its rulings are straight; but no bound is known beside the apex.
+            assert!(e.k1.value.abs() * scale < 1e-6, "{e:?}");
+            assert_eq!(e.gaussian[1].certainty, Certainty::Estimated(f64::INFINITY));
+            // The apex at the upper end, and the normals turned over by exchanging u and v.
+            let down: SurfaceRef = Arc::new(Swapped::new(revolved("2-2*t", "5*t", construction)));
+            let e = curvature_extremes(down.as_ref(), &few).unwrap();
+            let up = revolved("2-2*t", "5*t", construction);
+            let other = curvature_extremes(up.as_ref(), &few).unwrap();
+            assert!(
+                unbounded(&e.k1, 1.0) != unbounded(&other.k1, 1.0),
+                "{e:?} {other:?}"
+            );
+        }
+    }
+    // A spindle: its meridians bend towards the axis like its parallels, so K is unbounded. A trumpet: K has the other sign.
+    for (x, sign) in [("t*(2-t)", 1.0), ("t*(1+t)", -1.0)] {
+        let s = revolved(x, "t", Construction::Angle);
+        let e = curvature_extremes(s.as_ref(), &few).unwrap();
+        let [least, greatest] = &e.gaussian;
+        assert!(
+            unbounded(if sign > 0.0 { greatest } else { least }, sign),
+            "{e:?}"
+        );
+        assert!(
+            !unbounded(if sign > 0.0 { least } else { greatest }, -sign),
+            "{e:?}"
+        );
+    }
+    // A smooth pole has none of this.
+    for construction in [Construction::Angle, Construction::Rational] {
+        let e = curvature_extremes(sphere(construction).as_ref(), &few).unwrap();
+        assert!(
+            e.mean
+                .iter()
+                .chain(&e.gaussian)
+                .all(|x| x.value.is_finite()),
+            "{e:?}"
+        );
+    }
+}
+
+#[test]
+fn a_small_open_surface_beside_a_large_one_is_not_called_closed() {
+    let closed = |s: &[SurfaceRef]| volume(s, None, &MILLIONTH);
+    for small in [1e-5, 1e-7, 1.0] {
+        let large = placed(&sphere(Construction::Angle), 1e6, DVec3::ZERO);
+        let sheet: SurfaceRef = Arc::new(
+            bilinear([
+                [v(3e6, 0.0, 0.0), v(3e6, small, 0.0)],
+                [v(3e6 + small, 0.0, 0.0), v(3e6 + small, small, small)],
+            ])
+            .unwrap(),
+        );
+        let found = closed(&[large.clone(), sheet]);
+        let Err(VolumeError::Open {
+            surface: 1, weld, ..
+        }) = found
+        else {
+            panic!("{found:?}")
+        };
+        assert!(weld <= 0.011 * small, "{weld}");
+        // Closed ones still are.
+        assert!(closed(std::slice::from_ref(&large)).is_ok());
+        let ball = placed(
+            &sphere(Construction::Angle),
+            small.max(1e-3),
+            v(0.0, 0.0, 0.0),
+        );
+        assert!(closed(&[large, ball]).is_ok());
+    }
+    // A strip narrower than the distance within which sides are joined is no tube.
+    let strip: SurfaceRef = Arc::new(
+        bilinear([
+            [v(0.0, 0.0, 0.0), v(0.0, 1e-8, 0.0)],
+            [v(1.0, 0.0, 0.0), v(1.0, 1e-8, 0.0)],
+        ])
+        .unwrap(),
+    );
+    assert!(matches!(closed(&[strip]), Err(VolumeError::Open { .. })));
 }
 
 #[test]

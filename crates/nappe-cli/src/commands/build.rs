@@ -5,7 +5,7 @@ use crate::model::ModelArgs;
 use crate::scene::Bend;
 use crate::screen::Screen;
 use crate::text::{self, Table, bound, number};
-use crate::{output, scene};
+use crate::{output, scene, slits};
 use nappe::mesh::Certainty;
 use nappe_exchange::{Format, Progress, Scene, WriteOptions, WriteReport};
 use std::path::{Path, PathBuf};
@@ -16,7 +16,8 @@ use std::time::Instant;
 /// The ending of each file says its format: .glb .gltf .stl .obj .ply .3mf .vtu (meshes), .json (exact NURBS curves and
 /// surfaces), .svg .png (pictures). Files are replaced only when the new ones are whole.
 ///
-/// Ends with a table: patches, triangles, box, the proven distance between mesh and surfaces, the files, the time.
+/// Ends with a table: patches, triangles, box, the proven distance between mesh and surfaces, the files, the time; and
+/// with a note for sides that nearly meet but are not joined.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -73,6 +74,11 @@ impl Args {
             reports.push(report.map_err(output::refused)?);
         }
         screen.note(table(&scene, &reports, start));
+        if !scene.parts.is_empty() {
+            for note in slits::notes(&model, tolerance) {
+                screen.note(note);
+            }
+        }
         for report in &reports {
             for note in &report.notes {
                 screen.note(format!("{}: {note}", report.path.display()));

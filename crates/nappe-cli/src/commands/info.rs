@@ -381,19 +381,24 @@ fn error(c: Certainty) -> String {
 
 /// The least and greatest value: a bound on each is in the JSON.
 fn range([least, greatest]: &[Extreme; 2]) -> String {
-    let sure = least.certainty.and(greatest.certainty);
-    let about = if matches!(sure, Certainty::Estimated(_)) {
-        " (estimated)"
-    } else {
-        ""
+    let unknown = |e: &Extreme| !e.certainty.error().is_finite();
+    let about = match (unknown(least), unknown(greatest)) {
+        (true, true) => " (sampled; not bounded)",
+        (true, false) => " (least sampled; not bounded)",
+        (false, true) => " (greatest sampled; not bounded)",
+        (false, false) => "",
     };
     // Rounding leaves a curvature of 1e-17 where 0 is meant.
-    let size = least.value.abs().max(greatest.value.abs());
-    let place = |x: f64| if x.abs() <= 1e-12 * size { 0.0 } else { x };
-    let (a, b) = (
-        number(place(least.value), 5),
-        number(place(greatest.value), 5),
-    );
+    let finite = |x: f64| if x.is_finite() { x.abs() } else { 0.0 };
+    let size = finite(least.value).max(finite(greatest.value));
+    let place = |x: f64| {
+        if x.is_infinite() {
+            (if x > 0.0 { "∞" } else { "-∞" }).to_owned()
+        } else {
+            number(if x.abs() <= 1e-12 * size { 0.0 } else { x }, 5)
+        }
+    };
+    let (a, b) = (place(least.value), place(greatest.value));
     if a == b {
         format!("{a}{about}")
     } else {
@@ -406,7 +411,13 @@ fn measured_json(m: Measured) -> Value {
 }
 
 fn extreme_json(e: Extreme) -> Value {
-    json!({ "value": e.value, "uv": e.uv, "certainty": certainty_json(e.certainty) })
+    // JSON has no infinity: an unbounded extreme has no value.
+    json!({
+        "value": Some(e.value).filter(|x| x.is_finite()),
+        "unbounded": e.value.is_infinite(),
+        "uv": e.uv,
+        "certainty": certainty_json(e.certainty),
+    })
 }
 
 fn box_json(hull: Box3, certainty: Certainty) -> Value {

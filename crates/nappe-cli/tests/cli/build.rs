@@ -231,3 +231,23 @@ fn a_tolerance_below_rounding_is_refused() {
     );
     assert_eq!(folder.names(), ["model.nappe.toml"]);
 }
+
+#[test]
+fn sides_that_nearly_meet_are_noted() {
+    // Two squares with a gap of half the tolerance; of a hundredth of it, there is nothing to say.
+    let model = |gap: f64| {
+        format!(
+            "tolerance = 0.01\n[surfaces.a]\nkind = \"bilinear\"\ncorners = [[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0]]]\n\
+             [surfaces.b]\nkind = \"bilinear\"\ncorners = [[[1, 0, {gap}], [1, 1, {gap}]], [[2, 0, 0], [2, 1, 0]]]\n"
+        )
+    };
+    for (gap, noted) in [(0.005, true), (0.0001, false)] {
+        let folder = Folder::with_model(&model(gap));
+        let run = folder.nappe("build model.nappe.toml -o a.stl");
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        let told = run
+            .stderr
+            .contains("a.east and b.west nearly meet, but with a gap of 0.005 mm");
+        assert_eq!(told, noted, "{}", run.stderr);
+    }
+}

@@ -95,3 +95,44 @@ points = [[[0, 0, 0], [0, 1, 0]], [[3, 0, 0], [3, 1, 0]], [[1, 0, 0], [1, 1, 0]]
             .contains("folds over")
     );
 }
+
+/// A wall over a figure of eight.
+const EIGHT: &str = r#"
+[surfaces.eight]
+kind = "ruled"
+south = { kind = "expression", x = "sin(2*pi*t+0.4)", y = "sin(4*pi*t+0.8)", z = "0" }
+north = { kind = "expression", x = "sin(2*pi*t+0.4)", y = "sin(4*pi*t+0.8)", z = "1" }
+"#;
+
+#[test]
+fn a_surface_that_passes_through_itself_fails() {
+    let folder = Folder::with_model(EIGHT);
+    let run = folder.nappe("check model.nappe.toml --format json");
+    assert_eq!(run.code, 1);
+    let json: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    let found = &json["passing_through"]["found"][0];
+    assert_eq!(found["surfaces"], serde_json::json!(["eight", "eight"]));
+    assert_eq!(
+        (&found["is"], &found["proven"]),
+        (&"cross".into(), &true.into())
+    );
+    let angle = found["angle"].as_f64().unwrap();
+    assert!((angle - 2.0 * 0.5f64.atan()).abs() < 1e-6, "{angle}");
+    assert_eq!(json["failures"], 1);
+}
+
+#[test]
+fn surfaces_that_pass_through_each_other_are_told_and_do_not_fail() {
+    let through = MODEL.replace(
+        "[[1, 0, 0], [1, 1, 0]], [[1, 0, 1]",
+        "[[0.3, 0, -1], [0.3, 1, -1]], [[1, 0, 1]",
+    );
+    let folder = Folder::with_model(&through);
+    let run = folder.nappe("check model.nappe.toml");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(
+        run.data().contains("floor – wall  cross at 70.7°, proven"),
+        "{}",
+        run.data()
+    );
+}

@@ -5,6 +5,7 @@ use super::strip::{length, strip};
 use super::taylor::{Patch, Taylor};
 use crate::box3::Box3;
 use crate::interval::Interval;
+use crate::mesh::shared::Edge;
 use crate::mesh::{Certainty, Joints, joints};
 use crate::surface::{Side, Surface, SurfaceRef};
 use glam::DVec3;
@@ -72,8 +73,9 @@ const WELD: f64 = 1e-7;
 /// The volume that closed surfaces enclose: `⅓ ∮ (r - c)·n dA`, positive if the normals point outwards.
 ///
 /// The surfaces must be closed (each side meets exactly one other within `weld`, or is one point; `None`: 10⁻⁷ of the
-/// box) and have their normals on the same side everywhere; checked. Surfaces that cross each other are not noticed: each
-/// part counts as often as it is enclosed.
+/// box; never more than a hundredth of the surface itself, see [`joints`]) and have their normals on the same side
+/// everywhere; checked. Surfaces that cross each other are not noticed here, see [`overlaps`](super::overlaps): each part
+/// counts as often as it is enclosed.
 ///
 /// The result is proven, for every way to close the gaps along the joints that adds no more area than ruled strips and
 /// cones: their area S is bounded along the whole of each joint by Taylor forms, and counts with `⅓ S R`, R being the
@@ -189,10 +191,11 @@ fn closed(surfaces: &[SurfaceRef], weld: f64) -> Result<Joints, VolumeError> {
     let found = joints(surfaces, weld);
     for (surface, sides) in found.open.iter().enumerate() {
         if let Some(&side) = sides.first() {
+            let edge = Edge::new(surfaces[surface].as_ref(), side);
             return Err(VolumeError::Open {
                 surface,
                 side,
-                weld,
+                weld: edge.join_within(weld),
             });
         }
     }

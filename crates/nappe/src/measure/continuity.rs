@@ -113,6 +113,7 @@ fn scaled(c: Certainty, factor: f64) -> Certainty {
 }
 
 /// A range of the first side's parameter with the polynomial that gives the second's: `Σ c_k (t - from)ᵏ`.
+#[derive(Debug)]
 pub(super) struct Cell {
     pub(super) t: Interval,
     from: f64,
@@ -128,6 +129,17 @@ impl Cell {
             r.c[0] = r.c[0] + Interval::point(self.c[k]);
         }
         r
+    }
+
+    /// A range of parameters that contains all in the cell whose partners are in `range`; `None` if there are none.
+    pub(super) fn back(&self, range: Interval) -> Option<Interval> {
+        range.intersection(self.series(self.t).c[0])?;
+        let [start, slope, bent @ ..] = self.c;
+        if bent != [0.0; 2] || slope == 0.0 {
+            return Some(self.t);
+        }
+        let t = (range - Interval::point(start)) / Interval::point(slope);
+        (t + Interval::point(self.from)).intersection(self.t)
     }
 
     fn value(&self, t: f64) -> f64 {
@@ -266,6 +278,17 @@ impl<'a> Pair<'a> {
             at: both(Interval::point(m), limit),
             over: both(t, limit),
             x: t - Interval::point(m),
+        }
+    }
+
+    /// A bound of the distance between corresponding points along the whole edge; `None` if nothing is proven.
+    pub(super) fn greatest_gap(&self) -> Option<f64> {
+        let parts: Vec<Interval> = self.cells.iter().map(|c| c.t).collect();
+        let enough = ENOUGH[0] * self.size;
+        match greatest(&parts, |t| self.gap(t), enough, &JumpOptions::default()).0 {
+            Certainty::Exact => Some(0.0),
+            Certainty::Bounded(e) => Some(e),
+            Certainty::Estimated(_) => None,
         }
     }
 

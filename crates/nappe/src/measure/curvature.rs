@@ -1,10 +1,12 @@
 //! Curvature of a surface at a point, and its extremes over a surface.
 
+use super::apex::apexes;
 use super::search::{End, Extreme, Quantities, Search, SearchOptions};
 use super::shape::{Shape, ShapeForm};
 use super::taylor::Taylor;
 use crate::box3::Box3;
 use crate::interval::Interval;
+use crate::mesh::Certainty;
 use crate::surface::{Surface, SurfaceJet};
 use glam::DVec3;
 
@@ -163,8 +165,8 @@ pub struct CurvatureExtremes {
     pub k1: Extreme,
     /// The least of the smaller principal curvature.
     pub k2: Extreme,
-    /// The smallest radius of curvature of any normal section, `1 / max(|k1|, |k2|)`; infinite for a plane. Its certainty
-    /// is in `k1` and `k2`.
+    /// The smallest radius of curvature of any normal section, `1 / max(|k1|, |k2|)`; infinite for a plane, 0 where
+    /// they are unbounded. Its certainty is in `k1` and `k2`.
     pub smallest_radius: f64,
 }
 
@@ -172,8 +174,9 @@ pub struct CurvatureExtremes {
 /// normal. They are suprema.
 ///
 /// A side that is shorter than 10⁻¹² of the surface's size counts as one point; if the tangents there lie in one plane,
-/// the bounds hold up to it, with the limits of the curvature there. Where curvature grows without bound (the apex of a
-/// cone) nothing is proven and the result is an estimate.
+/// the bounds hold up to it, with the limits of the curvature there. Where curvature is proven to grow without bound in
+/// such a point (the apex of a cone) the extreme is infinite, and exact. Where nothing could be bounded, the value is the
+/// most extreme one found and its certainty `Estimated(∞)`.
 ///
 /// Cost: branch and bound, limited by `options.budget` boxes for each of the six numbers, which share their boxes.
 pub fn curvature_extremes(
@@ -183,7 +186,28 @@ pub fn curvature_extremes(
     let size = size(surface);
     let curvatures = Curvatures { surface, size };
     let mut search = Search::new(surface, &curvatures);
-    let mut find = |quantity, end| search.extreme(quantity, end, options);
+    let apexes = apexes(surface, size);
+    let mut find = |quantity, end: End| {
+        let unbounded = apexes.iter().find(|a| {
+            let sign = match quantity {
+                GAUSSIAN => a.gaussian,
+                _ => a.principal,
+            };
+            sign == end.sign()
+        });
+        if let Some(apex) = unbounded {
+            return Some(Extreme {
+                value: f64::INFINITY * end.sign(),
+                uv: apex.uv,
+                certainty: Certainty::Exact,
+            });
+        }
+        let mut found = search.extreme(quantity, end, options)?;
+        if let Certainty::Estimated(_) = found.certainty {
+            found.certainty = Certainty::Estimated(f64::INFINITY);
+        }
+        Some(found)
+    };
     let k1 = find(K1, End::Greatest)?;
     let k2 = find(K2, End::Least)?;
     let mut both = |q| Some([find(q, End::Least)?, find(q, End::Greatest)?]);

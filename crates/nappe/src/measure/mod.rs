@@ -2,6 +2,7 @@
 //! may be from the truth.
 
 mod along;
+mod apex;
 mod area;
 mod continuity;
 mod crease;
@@ -9,6 +10,7 @@ mod curvature;
 mod extent;
 mod integral;
 mod jump;
+mod overlap;
 mod regularity;
 mod search;
 mod shape;
@@ -22,5 +24,6 @@ pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes}
 pub use extent::{Extent, extent};
 pub use integral::{IntegralOptions, Measured};
 pub use jump::{Jump, JumpOptions};
+pub use overlap::{Meeting, Overlap, OverlapOptions, Overlaps, overlaps};
 pub use regularity::{Regularity, regularity};
 pub use search::{Extreme, SearchOptions};

@@ -90,7 +90,7 @@ pub(super) enum End {
 }
 
 impl End {
-    fn sign(self) -> f64 {
+    pub(super) fn sign(self) -> f64 {
         match self {
             End::Least => -1.0,
             End::Greatest => 1.0,

@@ -11,10 +11,10 @@ use crate::surface::{Dir, Surface, jet_index, jet_len};
 pub(super) const DEGREE: usize = 6;
 /// A side whose tangents amount to less than this part of the surface's size is one point. Larger, and the strong
 /// curvature of a short side would be missed; smaller, and rounding would hide poles.
-const POINT: f64 = 1e-12;
+pub(super) const POINT: f64 = 1e-12;
 /// Sine of the angle by which the tangents in a pole may leave their plane. Larger, and a blunt cone would count as
 /// smooth; smaller, and rounding would make smooth poles cones.
-const PLANE: f64 = 1e-9;
+pub(super) const PLANE: f64 = 1e-9;
 
 /// The shape operator `[[p, q], [q, s]]` in an orthonormal basis of the tangent plane.
 pub(super) struct Shape {
@@ -105,18 +105,23 @@ impl ShapeForm {
     }
 }
 
+/// The places along a side where it is seen whether the side is a point: a tangent that is analytic along it does not
+/// vanish in all of them by accident.
+const PLACES: usize = 9;
+
 /// True if the side of the box where the parameter `d` has the value `at` is one point, within rounding.
 fn is_point(surface: &dyn Surface, uv: [Interval; 2], d: usize, at: f64, size: f64) -> bool {
-    let mut side = uv;
-    side[d] = Interval::point(at);
+    let other = uv[1 - d];
     let mut limit = [Limit::Above; 2];
     if at == uv[d].hi {
         limit[d] = Limit::Below;
     }
-    let mut jet = [Box3::ENTIRE; jet_len(1)];
-    surface.enclose_piece(side, limit, 1, &mut jet);
-    let tangent = jet[2 - d].norm().hi;
-    tangent * uv[1 - d].width() <= POINT * size
+    (0..PLACES).all(|k| {
+        let mut p = [other.lo + (other.hi - other.lo) * (k as f64 + 0.5) / PLACES as f64; 2];
+        p[d] = at;
+        let tangent = surface.jet(p, limit, 1).d[2 - d];
+        tangent.length() * other.width() <= POINT * size
+    })
 }
 
 /// Invariants of the two forms: `r_uu·n, r_uv·n, r_vv·n` with `n = r_u × r_v`, `r_u·r_u`, `r_u·r_v`, `n·n`.

@@ -30,7 +30,8 @@ pub struct Joints {
 }
 
 /// Finds the sides that agree within `weld`, whatever their parametrisation and direction, as [`mesh`](super::mesh)
-/// does.
+/// does; but never within more than a hundredth of the length of a side or of the surface across it. So an open surface
+/// that is smaller than `weld` stays open.
 pub fn joints(surfaces: &[SurfaceRef], weld: f64) -> Joints {
     let shared = find(surfaces, weld);
     let name = |k: usize| (k / 4, Side::ALL[k % 4]);

@@ -309,7 +309,8 @@ impl Places {
     }
 }
 
-/// Finds what is shared. Cost: proportional to the number of sides, and 10³ points for each pair whose ends agree.
+/// Finds what is shared within `weld`, or within a small share of what is smaller than that (see `closing`). Cost:
+/// proportional to the number of sides, and 10³ points for each pair whose ends agree.
 pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
     let count = 4 * surfaces.len();
     let edges: Vec<Edge> = (0..count).map(|k| edge(surfaces, k)).collect();
@@ -317,7 +318,11 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
         .iter()
         .map(|e| [e.point(e.range.lo), e.point(e.range.hi)])
         .collect();
-    let collapsed: Vec<bool> = edges.iter().map(|e| e.is_collapsed(weld)).collect();
+    let collapsed: Vec<bool> = edges
+        .iter()
+        .map(|e| e.is_collapsed(e.point_within(weld)))
+        .collect();
+    let within: Vec<f64> = edges.iter().map(|e| e.join_within(weld)).collect();
     let mut corners: Vec<usize> = (0..count).collect();
     let mut joins: Vec<Option<Join>> = vec![None; count];
     let mut places = Places::new(weld);
@@ -327,16 +332,16 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
             unite(&mut corners, s, e);
             continue;
         }
-        let near = |p: DVec3, q: DVec3| p.distance(q) <= weld;
         joins[b] = places
             .near(tips[b])
             .into_iter()
             .filter(|&a| {
                 let ([p, q], [s, e]) = (tips[a], tips[b]);
+                let near = |p: DVec3, q: DVec3| p.distance(q) <= within[a].min(within[b]);
                 (near(p, s) && near(q, e)) || (near(p, e) && near(q, s))
             })
             .find_map(|a| {
-                let map = matching(&edges[a], &edges[b], weld)?;
+                let map = matching(&edges[a], &edges[b], within[a].min(within[b]))?;
                 Some(Join { leader: a, map })
             });
         if let Some(join) = &joins[b] {

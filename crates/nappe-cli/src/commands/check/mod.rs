@@ -1,10 +1,11 @@
 //! `nappe check`.
 
-use super::report::{ReportFormat, certainty_json};
+use crate::commands::report::{ReportFormat, certainty_json};
 use crate::failure::Failure;
 use crate::model::ModelArgs;
 use crate::scene;
 use crate::screen::Screen;
+use crate::slits::JOINED;
 use crate::text::{Table, bound, number};
 use nappe::measure::{
     Continuity, Crease, Jump, JumpOptions, Regularity, Smoothness, continuity, creases, regularity,
@@ -12,8 +13,11 @@ use nappe::measure::{
 use nappe::mesh::{Certainty, joints};
 use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_model::{Check, CheckTolerance, Model, NamedSurface};
+use passing::Passing;
 use serde_json::{Value, json};
 use std::io::{self, Write};
+
+mod passing;
 
 /// Prove the declared checks, and examine every shared side and every surface
 ///
@@ -21,8 +25,13 @@ use std::io::{self, Write};
 /// gap, angle and jump of curvature bounded, and every surface is searched for folds and degenerate points. A bound is
 /// proven over the whole side unless it says `estimated`.
 ///
+/// Every surface with itself, and every two surfaces, are proven to have no points in common but those within the
+/// tolerance of the mesh of a shared side or corner, or the place is told where they cross, touch, or where that is not
+/// decided.
+///
 /// It fails (exit code 1) if a declared check is missed or cannot be proven, if sides meet within the tolerance of the
-/// mesh but not closely enough to be joined, or if a surface folds over.
+/// mesh but not closely enough to be joined, or if a surface folds over or passes through itself. Two surfaces that pass
+/// through each other are told (•) but are no failure: a handle may well be stuck through a wall.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -37,8 +46,6 @@ pub(crate) struct Args {
     format: ReportFormat,
 }
 
-/// Sides that are farther apart than this share of the tolerance are not joined by the mesh.
-const JOINED: f64 = 0.05;
 /// Tangent planes that differ by less (0.1°) count as smooth where nothing is declared.
 const SMOOTH_ANGLE: f64 = std::f64::consts::PI / 1800.0;
 /// Curvatures that differ by less, relatively, count as the same where nothing is declared.
@@ -144,6 +151,7 @@ struct Findings<'a> {
     shared: Vec<Shared>,
     open: Vec<String>,
     surfaces: Vec<(&'a NamedSurface, Regularity, Vec<Crease>)>,
+    passing: Passing,
 }
 
 impl<'a> Findings<'a> {
@@ -193,14 +201,17 @@ impl<'a> Findings<'a> {
             step();
             (*s, r, creases(s.surface.as_ref()))
         });
-        let surfaces = regular.collect();
+        let regular = regular.collect();
+        let unit = model.units.symbol();
+        let passing = Passing::of(&named, tolerance, unit);
         progress.finish();
         Findings {
-            unit: model.units.symbol(),
+            unit,
             declared,
             shared,
             open,
-            surfaces,
+            surfaces: regular,
+            passing,
         }
     }
 
@@ -216,7 +227,7 @@ impl<'a> Findings<'a> {
             .iter()
             .filter(|s| !s.1.folds.is_empty())
             .count();
-        declared + shared + folded
+        declared + shared + folded + self.passing.failures()
     }
 
     fn text(&self) -> String {
@@ -232,6 +243,7 @@ impl<'a> Findings<'a> {
         }
         if !self.surfaces.is_empty() {
             parts.push(format!("Surfaces\n\n{}", self.surface_table()));
+            parts.push(self.passing.text());
         }
         parts.push(match self.failures() {
             0 => "✓ nothing fails".to_owned(),
@@ -401,6 +413,7 @@ impl<'a> Findings<'a> {
             "shared_sides": shared,
             "open_sides": self.open,
             "surfaces": surfaces,
+            "passing_through": self.passing.json(),
             "failures": self.failures(),
         })
     }

@@ -1,0 +1,211 @@
+//! A surface as a binary tree of rectangles of parameters, each with enclosures.
+
+use crate::box3::Box3;
+use crate::breaks::{Breaks, Limit};
+use crate::interval::Interval;
+use crate::surface::{Dir, Side, Surface, jet_index, normal_at};
+use glam::DVec3;
+use std::cell::RefCell;
+use std::collections::HashMap;
+
+/// A rectangle of parameters.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    pub(super) uv: [Interval; 2],
+    /// Encloses the points.
+    pub(super) bounds: Box3,
+    /// Encloses the point in the middle, and the tangents `r_u` and `r_v` over the rectangle.
+    at: Box3,
+    tangents: [Box3; 2],
+    /// The tangents up to positive factors that depend on the point and vanish only where the surface is one point:
+    /// beside a pole `v = v₀`, where `r_u = (v - v₀) × a mean of r_uv`, this mean stands for `r_u`.
+    pub(super) along: [Box3; 2],
+    /// The unit normal in the middle.
+    pub(super) normal: Option<DVec3>,
+    /// The numbers of the halves, if made.
+    halves: Option<[usize; 2]>,
+}
+
+impl Node {
+    /// The length of the diagonal of the box around it.
+    pub(super) fn size(&self) -> f64 {
+        self.bounds.diagonal()
+    }
+
+    /// The range of `f·r`: by the mean value theorem from the middle, and by the box.
+    pub(super) fn range(&self, f: DVec3) -> Interval {
+        let f = Box3::point(f);
+        let step = |d: usize| {
+            let t = self.uv[d];
+            (t - Interval::point(t.mid())) * f.dot(self.tangents[d])
+        };
+        let mean = f.dot(self.at) + step(0) + step(1);
+        let whole = f.dot(self.bounds);
+        if mean.is_finite() {
+            mean.meet(whole)
+        } else {
+            whole
+        }
+    }
+
+    /// True if the rectangles have a point in common.
+    pub(super) fn touches(&self, o: &Node) -> bool {
+        (0..2).all(|d| self.uv[d].lo <= o.uv[d].hi && o.uv[d].lo <= self.uv[d].hi)
+    }
+}
+
+pub(super) struct Tree<'a> {
+    pub(super) surface: &'a dyn Surface,
+    pub(super) nodes: Vec<Node>,
+    /// The node of the whole surface.
+    pub(super) root: usize,
+    /// The sides that are one point.
+    pub(super) poles: Vec<Side>,
+    /// Other rectangles that were asked for, by their ends.
+    grown: RefCell<HashMap<[u64; 4], Node>>,
+}
+
+/// A rectangle is grown by at most this many times its own width. Larger, and its tangents would vary too much for a
+/// proof; smaller, and more and smaller rectangles would be looked at.
+const GROWTH: f64 = 4.0;
+
+impl<'a> Tree<'a> {
+    pub(super) fn new(surface: &'a dyn Surface, poles: Vec<Side>) -> Self {
+        let mut tree = Self {
+            surface,
+            nodes: Vec::new(),
+            root: 0,
+            poles,
+            grown: RefCell::default(),
+        };
+        let pieces = [Dir::U, Dir::V].map(|d| surface.breaks(d).pieces());
+        tree.root = tree.over([[0, pieces[0]], [0, pieces[1]]]);
+        tree
+    }
+
+    /// The greatest coordinate: of the box around the surface, or if that is not bounded, of the points in the middles of
+    /// the nodes.
+    pub(super) fn far(&self) -> f64 {
+        let greatest = |b: Box3| b.to_array().iter().fold(0.0f64, |m, r| m.max(r.mag()));
+        let whole = greatest(self.nodes[self.root].bounds);
+        if whole.is_finite() {
+            return whole;
+        }
+        let middles = self.nodes.iter().map(|n| greatest(n.at));
+        middles.filter(|m| m.is_finite()).fold(0.0, f64::max)
+    }
+
+    /// The node over ranges of analytic pieces; the enclosures of more than one piece come from those of its halves.
+    fn over(&mut self, pieces: [[usize; 2]; 2]) -> usize {
+        let count = pieces.map(|[a, b]| b - a);
+        let range = |d: usize, dir: Dir| {
+            let breaks = self.surface.breaks(dir);
+            let [a, b] = pieces[d];
+            Interval::new(breaks.piece(a).lo, breaks.piece(b - 1).hi)
+        };
+        let uv = [range(0, Dir::U), range(1, Dir::V)];
+        if count == [1, 1] {
+            let node = self.node(uv);
+            self.nodes.push(node);
+            return self.nodes.len() - 1;
+        }
+        let d = usize::from(count[1] > count[0]);
+        let middle = (pieces[d][0] + pieces[d][1]) / 2;
+        let halves = [0, 1].map(|k| {
+            let mut half = pieces;
+            half[d][1 - k] = middle;
+            self.over(half)
+        });
+        let [a, b] = halves.map(|k| self.nodes[k]);
+        let both = |x: [Box3; 2], y: [Box3; 2]| [x[0].hull(y[0]), x[1].hull(y[1])];
+        let m = uv.map(Interval::mid);
+        self.nodes.push(Node {
+            uv,
+            bounds: a.bounds.hull(b.bounds),
+            at: self.surface.bounds(m.map(Interval::point)),
+            tangents: both(a.tangents, b.tangents),
+            along: both(a.along, b.along),
+            normal: normal_at(self.surface, m, [Limit::Above; 2]).vector(),
+            halves: Some(halves),
+        });
+        self.nodes.len() - 1
+    }
+
+    /// A node from its own enclosures.
+    fn node(&self, uv: [Interval; 2]) -> Node {
+        let domain = self.surface.domain();
+        let touched: Vec<Side> = self
+            .poles
+            .iter()
+            .copied()
+            .filter(|s| {
+                let d = s.across() as usize;
+                if s.is_upper() {
+                    uv[d].hi >= domain[d].hi
+                } else {
+                    uv[d].lo <= domain[d].lo
+                }
+            })
+            .collect();
+        let jet = self
+            .surface
+            .enclose(uv, if touched.is_empty() { 1 } else { 2 });
+        let tangents = [jet[1], jet[2]];
+        let mut along = tangents;
+        if let [side] = touched[..] {
+            let sign = if side.is_upper() { -1.0 } else { 1.0 };
+            along[side.along() as usize] = jet[jet_index(1, 1)].scale(Interval::point(sign));
+        }
+        let m = uv.map(Interval::mid);
+        Node {
+            uv,
+            bounds: jet[0],
+            at: self.surface.bounds(m.map(Interval::point)),
+            tangents,
+            along,
+            normal: normal_at(self.surface, m, [Limit::Above; 2]).vector(),
+            halves: None,
+        }
+    }
+
+    /// The node of a rectangle around `x`; `None` if that is much larger.
+    pub(super) fn grow(&self, x: &Node, uv: [Interval; 2]) -> Option<Node> {
+        if uv == x.uv {
+            return Some(*x);
+        }
+        if (0..2).any(|d| uv[d].width() > (1.0 + GROWTH) * x.uv[d].width()) {
+            return None;
+        }
+        let key = [uv[0].lo, uv[0].hi, uv[1].lo, uv[1].hi].map(f64::to_bits);
+        Some(
+            *self
+                .grown
+                .borrow_mut()
+                .entry(key)
+                .or_insert_with(|| self.node(uv)),
+        )
+    }
+
+    /// The halves of a node across its longer extent; `None` if it is too narrow to halve.
+    pub(super) fn halve(&mut self, k: usize) -> Option<[usize; 2]> {
+        let node = self.nodes[k];
+        if node.halves.is_some() {
+            return node.halves;
+        }
+        let long = |d: usize| node.tangents[d].norm().hi * node.uv[d].width();
+        let d = usize::from(long(1) > long(0));
+        let (t, m) = (node.uv[d], node.uv[d].mid());
+        if m <= t.lo || m >= t.hi {
+            return None;
+        }
+        let halves = [(t.lo, m), (m, t.hi)].map(|(lo, hi)| {
+            let mut uv = node.uv;
+            uv[d] = Interval::new(lo, hi);
+            let half = self.node(uv);
+            self.nodes.push(half);
+            self.nodes.len() - 1
+        });
+        self.nodes[k].halves = Some(halves);
+        Some(halves)
+    }
+}
