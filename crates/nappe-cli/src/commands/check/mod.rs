@@ -15,6 +15,7 @@ use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_model::{Check, CheckTolerance, Model, NamedSurface};
 use passing::Passing;
 use serde_json::{Value, json};
+use std::f64::consts::PI;
 use std::io::{self, Write};
 
 mod passing;
@@ -47,7 +48,7 @@ pub(crate) struct Args {
 }
 
 /// Tangent planes that differ by less (0.1°) count as smooth where nothing is declared.
-const SMOOTH_ANGLE: f64 = std::f64::consts::PI / 1800.0;
+const SMOOTH_ANGLE: f64 = PI / 1800.0;
 /// Curvatures that differ by less, relatively, count as the same where nothing is declared.
 const SAME_CURVATURE: f64 = 0.01;
 
@@ -491,7 +492,12 @@ fn crease(c: &Crease) -> String {
 }
 
 fn degrees(jump: &Jump) -> String {
-    shown(jump.greatest, 1f64.to_degrees(), "°")
+    // A bound of half a turn, rounded upwards, would show an angle that there is not.
+    let greatest = match jump.greatest {
+        Certainty::Bounded(e) if e.is_finite() => Certainty::Bounded(e.min(PI)),
+        other => other,
+    };
+    shown(greatest, 1f64.to_degrees(), "°")
 }
 
 fn plain(jump: &Jump) -> String {
