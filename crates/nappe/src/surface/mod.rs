@@ -9,6 +9,40 @@ use smallvec::SmallVec;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+/// Inside `impl Surface for …`: evaluates through another surface that is the same map. Every method of the trait that
+/// evaluates is here, so that a faster one reaches all kinds at once.
+macro_rules! evaluate_through {
+    ($self:ident => $form:expr) => {
+        fn breaks(&$self, dir: $crate::surface::Dir) -> &[$crate::breaks::Break] {
+            $form.breaks(dir)
+        }
+        fn jet_into(
+            &$self,
+            uv: [f64; 2],
+            limit: [$crate::breaks::Limit; 2],
+            order: usize,
+            out: &mut [glam::DVec3],
+        ) {
+            $form.jet_into(uv, limit, order, out);
+        }
+        fn enclose_piece(
+            &$self,
+            uv: [$crate::interval::Interval; 2],
+            limit: [$crate::breaks::Limit; 2],
+            order: usize,
+            out: &mut [$crate::box3::Box3],
+        ) {
+            $form.enclose_piece(uv, limit, order, out);
+        }
+        fn points(&$self, uv: &[[f64; 2]], out: &mut [glam::DVec3]) {
+            $form.points(uv, out);
+        }
+        fn grid(&$self, u: &[f64], v: &[f64], out: &mut [glam::DVec3]) {
+            $form.grid(u, v, out);
+        }
+    };
+}
+
 mod axis_contact;
 mod bilinear;
 mod biquadratic;
