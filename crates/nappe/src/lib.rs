@@ -78,6 +78,7 @@ mod breaks;
 mod frame;
 mod interval;
 mod linear;
+mod simd;
 
 pub use box3::Box3;
 pub use breaks::{Break, Breaks, Limit, UNIT_BREAKS, merge_breaks};

@@ -1,6 +1,6 @@
 //! B-spline basis functions; Bernstein polynomials are the case without inner knots.
 
-use super::Functions;
+use super::{Functions, Table};
 use crate::breaks::{Break, Breaks, Limit};
 use crate::exact::PiecewiseRational;
 use crate::interval::Interval;
@@ -272,6 +272,21 @@ impl BSplineBasis {
     }
 }
 
+impl BSplineBasis {
+    /// The Bernstein coefficients of an active function (from 0) on a piece.
+    fn bernstein_of(&self, piece: usize, function: usize) -> SmallVec<[f64; 6]> {
+        let (p, Interval { lo, hi }) = (self.degree, self.breaks.piece(piece));
+        let mut unit: SmallVec<[f64; 6]> = SmallVec::from_elem(0.0, p + 1);
+        unit[function] = 1.0;
+        let coefficient = |j: usize| {
+            let mut arguments: SmallVec<[f64; 6]> = SmallVec::from_elem(lo, p);
+            arguments[p - j..].fill(hi);
+            self.blossom(self.spans[piece], &unit, &arguments)
+        };
+        (0..=p).map(coefficient).collect()
+    }
+}
+
 impl Functions for BSplineBasis {
     fn count(&self) -> usize {
         self.knots.len() - self.degree - 1
@@ -308,18 +323,10 @@ impl Functions for BSplineBasis {
     fn to_piecewise(&self) -> Option<PiecewiseRational> {
         let (p, n) = (self.degree, self.count());
         let mut coefficients = vec![0.0; self.spans.len() * n * (p + 1)];
-        let mut unit: SmallVec<[f64; 6]> = SmallVec::from_elem(0.0, p + 1);
         for (piece, &span) in self.spans.iter().enumerate() {
-            let Interval { lo, hi } = self.breaks.piece(piece);
             for f in 0..=p {
-                unit.fill(0.0);
-                unit[f] = 1.0;
                 let at = (piece * n + span - p + f) * (p + 1);
-                for j in 0..=p {
-                    let mut arguments: SmallVec<[f64; 6]> = SmallVec::from_elem(lo, p);
-                    arguments[p - j..].fill(hi);
-                    coefficients[at + j] = self.blossom(span, &unit, &arguments);
-                }
+                coefficients[at..at + p + 1].copy_from_slice(&self.bernstein_of(piece, f));
             }
         }
         Some(PiecewiseRational::polynomial(
@@ -328,6 +335,12 @@ impl Functions for BSplineBasis {
             n,
             coefficients,
         ))
+    }
+
+    fn table(&self) -> Option<Table> {
+        let first = self.spans.iter().map(|s| s - self.degree).collect();
+        let bernstein = |piece, f| self.bernstein_of(piece, f).to_vec();
+        Table::from_active(&self.breaks, self.degree, first, self.count(), bernstein)
     }
 }
 
