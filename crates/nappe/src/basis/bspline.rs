@@ -211,12 +211,12 @@ impl BSplineBasis {
     fn eval<S: Scalar>(&self, span: usize, t: S, order: usize, out: &mut [S]) {
         let p = self.degree;
         let k = |i: usize| S::from(self.knots[i]);
-        // rows[q] holds N_{span-q} … N_span of degree q.
-        let mut rows: SmallVec<[SmallVec<[S; 6]>; 6]> = SmallVec::with_capacity(p + 1);
-        rows.push(SmallVec::from_elem(S::ONE, 1));
+        // N_{span-q} … N_span of degree q, one row after the other: row q starts at q (q+1)/2.
+        let row = |q: usize| q * (q + 1) / 2;
+        let mut rows: SmallVec<[S; 28]> = SmallVec::from_elem(S::ONE, row(p + 1));
         for q in 1..=p {
-            let below = &rows[q - 1];
-            let mut row: SmallVec<[S; 6]> = SmallVec::with_capacity(q + 1);
+            let (below, this) = rows.split_at_mut(row(q));
+            let below = &below[row(q - 1)..];
             for r in 0..=q {
                 let i = span + r - q;
                 let mut n = S::ZERO;
@@ -226,9 +226,8 @@ impl BSplineBasis {
                 if r < q {
                     n = n + (k(i + q + 1) - t) / (k(i + q + 1) - k(i + 1)) * below[r];
                 }
-                row.push(n);
+                this[r] = n;
             }
-            rows.push(row);
         }
         for d in 0..=order {
             let o = &mut out[d * (p + 1)..][..p + 1];
@@ -237,7 +236,7 @@ impl BSplineBasis {
                 continue;
             }
             // N'_{i,q} = q (N_{i,q-1}/(k_{i+q} - k_i) - N_{i+1,q-1}/(k_{i+q+1} - k_{i+1})), applied d times.
-            o[..=p - d].copy_from_slice(&rows[p - d]);
+            o[..=p - d].copy_from_slice(&rows[row(p - d)..row(p - d + 1)]);
             for q in p - d + 1..=p {
                 let factor = S::from(q as f64);
                 for r in (0..=q).rev() {

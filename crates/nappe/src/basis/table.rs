@@ -4,6 +4,7 @@ use super::FunctionsRef;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::exact::PiecewiseRational;
 use crate::series::binomial;
+use smallvec::SmallVec;
 
 /// A list of functions in a form that is quick to evaluate at many parameters: polynomials by powers of the distance
 /// from the middle of each piece, everything else as it is.
@@ -21,6 +22,9 @@ enum Part {
     Powers(Powers),
     Exact(FunctionsRef),
 }
+
+/// Functions are evaluated by fours: a register of AVX2.
+const QUAD: usize = 4;
 
 /// The highest order of derivative that a table gives.
 pub(crate) const TABLE_ORDER: usize = 2;
@@ -99,85 +103,53 @@ impl Table {
         }
     }
 
-    /// Writes derivatives 0 to `order` (at most 2) of the active functions at `t`, row-major by derivative, and
+    /// Writes derivatives 0 to `ROWS - 1` (at most 2) of the active functions at `t`, row-major by derivative, and
     /// returns the first of them and their number. `out` has room for all functions.
     #[inline(always)]
-    pub(crate) fn eval(&self, t: f64, order: usize, out: &mut [f64]) -> (usize, usize) {
-        match &self.parts[..] {
-            [Part::Powers(p)] if !p.rational => {
-                let (piece, s) = p.locate(t);
-                p.row(piece, s, order, p.width, out);
-                (p.first[piece], p.width)
-            }
-            parts => {
-                let mut start = 0;
-                for part in parts {
-                    start += part.write(t, order, start, self.count, out);
-                }
-                (0, self.count)
-            }
+    pub(crate) fn eval<const ROWS: usize>(&self, t: f64, out: &mut [f64]) -> (usize, usize) {
+        if let [Part::Powers(p)] = &self.parts[..]
+            && !p.rational
+        {
+            let (piece, s) = p.locate(t);
+            p.rows::<ROWS>(piece, s, p.width, out);
+            return (p.first[piece], p.width);
         }
+        let mut start = 0;
+        for part in &self.parts {
+            start += match part {
+                Part::Powers(p) => p.write::<ROWS>(t, start, self.count, out),
+                Part::Exact(f) => exact::<ROWS>(f, t, start, self.count, out),
+            };
+        }
+        (0, self.count)
     }
 }
 
-impl Part {
-    /// Writes all functions of the part into the rows of a longer list, and returns their number.
-    fn write(&self, t: f64, order: usize, start: usize, count: usize, out: &mut [f64]) -> usize {
-        let mut buffer = [0.0; 64];
-        match self {
-            Part::Powers(p) if p.first.iter().all(|&f| f == 0) && 3 * p.width <= buffer.len() => {
-                let (piece, s) = p.locate(t);
-                p.row(piece, s, order, p.width, &mut buffer);
-                let n = p.width - usize::from(p.rational);
-                for k in 0..=order {
-                    for i in 0..n {
-                        let mut x = buffer[k * p.width + i];
-                        if p.rational {
-                            // The quotient rule; the denominator is the last of the row.
-                            for l in 0..k {
-                                let lower = out[l * count + start + i];
-                                x -= binomial(k, l) * lower * buffer[(k - l) * p.width + n];
-                            }
-                            x /= buffer[n];
-                        }
-                        out[k * count + start + i] = x;
-                    }
-                }
-                n
-            }
-            Part::Powers(p) => {
-                let (piece, s) = p.locate(t);
-                let mut row = vec![0.0; (order + 1) * p.width];
-                p.row(piece, s, order, p.width, &mut row);
-                for k in 0..=order {
-                    let o = &mut out[k * count + start..][..p.total];
-                    o.fill(0.0);
-                    o[p.first[piece]..][..p.width].copy_from_slice(&row[k * p.width..][..p.width]);
-                }
-                p.total
-            }
-            Part::Exact(f) => {
-                let n = f.count();
-                let active = f.active(t, Limit::Above);
-                let mut row: smallvec::SmallVec<[f64; 32]> =
-                    smallvec::SmallVec::from_elem(0.0, (order + 1) * active.len());
-                f.jet_into(t, Limit::Above, order, &mut row);
-                for (k, row) in row.chunks_exact(active.len()).enumerate() {
-                    let o = &mut out[k * count + start..][..n];
-                    o.fill(0.0);
-                    o[active.clone()].copy_from_slice(row);
-                }
-                n
-            }
-        }
+/// Writes all functions of a list, evaluated as they are, into the rows of a longer list; returns their number.
+fn exact<const ROWS: usize>(
+    f: &FunctionsRef,
+    t: f64,
+    start: usize,
+    count: usize,
+    out: &mut [f64],
+) -> usize {
+    let n = f.count();
+    let active = f.active(t, Limit::Above);
+    let mut rows: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, ROWS * active.len());
+    f.jet_into(t, Limit::Above, ROWS - 1, &mut rows);
+    for (k, row) in rows.chunks_exact(active.len()).enumerate() {
+        let o = &mut out[k * count + start..][..n];
+        o.fill(0.0);
+        o[active.clone()].copy_from_slice(row);
     }
+    n
 }
 
 /// Polynomials over pieces: `f_i(t) = Σ_k c_ki s^k` with `s` from -1 to 1 over the piece.
 #[derive(Clone, Debug)]
 pub(crate) struct Powers {
-    /// The ends of the pieces, without the first and the last.
-    inner: Vec<f64>,
+    /// The ends of the pieces, infinity for the last: parameters beyond the domain belong to the end pieces.
+    ends: Vec<f64>,
     /// The piece to start looking from, for equal parts of the domain.
     buckets: Vec<u32>,
     lo: f64,
@@ -193,7 +165,7 @@ pub(crate) struct Powers {
     total: usize,
     /// True if the last one divides the others.
     rational: bool,
-    /// For each piece and each power one number a function.
+    /// For each piece and each power one number a function, filled up to a multiple of [`QUAD`].
     coefficients: Vec<f64>,
 }
 
@@ -208,7 +180,8 @@ impl Powers {
         let pieces = breaks.pieces();
         let domain = breaks.domain();
         let to_powers = powers_of_bernstein(degree);
-        let mut coefficients = Vec::with_capacity(pieces * width * (degree + 1));
+        let padded = width.next_multiple_of(QUAD);
+        let mut coefficients = Vec::with_capacity(pieces * padded * (degree + 1));
         let mut local = Vec::with_capacity(pieces);
         for piece in 0..pieces {
             let range = breaks.piece(piece);
@@ -218,6 +191,7 @@ impl Powers {
                 for b in &all {
                     coefficients.push(b.iter().zip(&to_powers).map(|(b, m)| b * m[k]).sum());
                 }
+                coefficients.resize(coefficients.len() + padded - width, 0.0);
             }
         }
         // Twice as many buckets as pieces: with equal pieces a step or none leads from the bucket to the piece.
@@ -229,7 +203,11 @@ impl Powers {
             breaks.find(start, Limit::Above) as u32
         });
         Self {
-            inner: breaks[1..pieces].iter().map(|b| b.at).collect(),
+            ends: breaks[1..pieces]
+                .iter()
+                .map(|b| b.at)
+                .chain([f64::INFINITY])
+                .collect(),
             buckets: buckets.collect(),
             lo: domain.lo,
             per_bucket: 1.0 / step,
@@ -251,19 +229,13 @@ impl Powers {
     /// The piece of a parameter and the parameter in it, from -1 to 1.
     #[inline(always)]
     pub(crate) fn locate(&self, t: f64) -> (usize, f64) {
-        /// More pieces than this in a bucket are searched by halving.
-        const FEW: usize = 4;
         // The conversion saturates, and takes NaN to 0.
         let bucket = ((t - self.lo) * self.per_bucket) as usize;
         let mut piece = self.buckets[bucket.min(self.buckets.len() - 1)] as usize;
-        let mut steps = 0;
-        while piece < self.inner.len() && self.inner[piece] <= t {
-            piece += 1;
-            steps += 1;
-            if steps > FEW {
-                piece = self.inner.partition_point(|&b| b <= t);
-                break;
-            }
+        // Without a branch, since nothing could predict it.
+        piece += usize::from(self.ends[piece] <= t);
+        if self.ends[piece] <= t && t < f64::INFINITY {
+            piece = self.ends.partition_point(|&b| b <= t);
         }
         let [middle, scale] = self.local[piece];
         (piece, (t - middle) * scale)
@@ -277,9 +249,10 @@ impl Powers {
         s: f64,
     ) -> [[f64; N]; ROWS] {
         let mut d = [[0.0; N]; ROWS];
-        let rows = &self.coefficients[piece * N * N..][..N * N];
+        const { assert!(N <= QUAD) };
+        let rows = &self.coefficients[piece * N * QUAD..][..N * QUAD];
         for k in (0..N).rev() {
-            if let Some(c) = rows[k * N..].first_chunk() {
+            if let Some(c) = rows[k * QUAD..].first_chunk() {
                 step(&mut d, s, c);
             }
         }
@@ -295,30 +268,67 @@ impl Powers {
         d
     }
 
-    /// Writes derivatives 0 to `order`, each `stride` after the last.
+    /// Writes derivatives 0 to `ROWS - 1`, each `stride` after the last.
     #[inline(always)]
-    fn row(&self, piece: usize, s: f64, order: usize, stride: usize, out: &mut [f64]) {
-        let (w, scale) = (self.width, self.local[piece][1]);
-        let c = &self.coefficients[piece * w * (self.degree + 1)..][..w * (self.degree + 1)];
-        // Four functions at a time, so that they stay in registers.
-        let mut start = 0;
-        while start < w {
-            let n = (w - start).min(4);
-            let mut d = [[0.0; 4]; 3];
-            for row in c.chunks_exact(w).rev() {
-                let mut four = [0.0; 4];
-                four[..n].copy_from_slice(&row[start..start + n]);
-                step(&mut d, s, &four);
+    fn rows<const ROWS: usize>(&self, piece: usize, s: f64, stride: usize, out: &mut [f64]) {
+        let padded = self.width.next_multiple_of(QUAD);
+        let size = padded * (self.degree + 1);
+        let coefficients = &self.coefficients[piece * size..][..size];
+        let scale = self.local[piece][1];
+        for start in (0..self.width).step_by(QUAD) {
+            let mut d = [[0.0; QUAD]; ROWS];
+            for k in (0..=self.degree).rev() {
+                if let Some(c) = coefficients[k * padded + start..].first_chunk() {
+                    step(&mut d, s, c);
+                }
             }
             let mut factor = 1.0;
-            for (k, d) in d.iter().enumerate().take(order + 1) {
-                for i in 0..n {
-                    out[k * stride + start + i] = d[i] * factor;
+            for k in 0..ROWS {
+                let o = &mut out[k * stride + start..];
+                let n = (self.width - start).min(QUAD);
+                for (o, d) in o.iter_mut().zip(&d[k]).take(n) {
+                    *o = d * factor;
                 }
                 factor *= scale * (k + 1) as f64;
             }
-            start += n;
         }
+    }
+
+    /// Writes all functions into the rows of a longer list and returns their number.
+    #[inline(always)]
+    fn write<const ROWS: usize>(
+        &self,
+        t: f64,
+        start: usize,
+        count: usize,
+        out: &mut [f64],
+    ) -> usize {
+        let (piece, s) = self.locate(t);
+        if !self.rational {
+            for k in 0..ROWS {
+                if self.total > self.width {
+                    out[k * count + start..][..self.total].fill(0.0);
+                }
+            }
+            let at = start + self.first[piece];
+            self.rows::<ROWS>(piece, s, count, &mut out[at..]);
+            return self.total;
+        }
+        let (w, n) = (self.width, self.width - 1);
+        let mut buffer: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, ROWS * w);
+        self.rows::<ROWS>(piece, s, w, &mut buffer);
+        for k in 0..ROWS {
+            for i in 0..n {
+                // The quotient rule; the denominator is the last of a row.
+                let mut x = buffer[k * w + i];
+                for l in 0..k {
+                    let lower = out[l * count + start + i];
+                    x -= binomial(k, l) * lower * buffer[(k - l) * w + n];
+                }
+                out[k * count + start + i] = x / buffer[n];
+            }
+        }
+        n
     }
 }
 

@@ -334,7 +334,7 @@ impl Surface for Separable {
 
     fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
         check_length(uv.len() * jet_len(order), out.len());
-        if order <= TABLE_ORDER && uv.len() >= list::SHORTEST {
+        if order <= TABLE_ORDER {
             list::jets(self, self.tables(), uv, order, out);
             return;
         }
