@@ -13,7 +13,7 @@ cargo xtask <task>
 
   test             all tests of all crates, documentation examples included
   ci               what CI runs: formatting, lints, documentation, then `test`
-  bench [ARGS]     grid, list and mesh of every kind beside a plain loop; `--json FILE` writes one object a row
+  bench [ARGS]     speed beside the limit of memory and other libraries; `--json FILE`, `--page` (docs/performance.md)
   gallery          draw docs/gallery/*.png and docs/gallery.md from examples/
   docs             write docs/model-file.md from the list of kinds and keys
   fuzz [MINUTES]   feed random model files to the reader (installs cargo-fuzz on first use; default 2 minutes)

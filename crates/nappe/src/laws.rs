@@ -1,7 +1,8 @@
 //! The laws every curve and surface obeys, as functions that panic with the place and the numbers when one is broken.
 //! A new kind proves itself with one line in a test: `laws::curve(&my_curve)` or `laws::surface(&my_surface)`.
 //!
-//! Checked: jets are prefixes of longer jets; lists and grids equal single points; derivatives agree with Richardson
+//! Checked: jets are prefixes of longer jets; grids equal single points to the last bit, and lists
+//! within four units in the last place of the size; normals of grids are those of single points; derivatives agree with Richardson
 //! differences of the next lower order inside each analytic piece; both sides of a break agree as far as the break's
 //! smoothness says; enclosures contain samples and shrink at first order; a NURBS form, if any, is the same map.
 
@@ -9,11 +10,13 @@ use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::curve::Curve;
 use crate::interval::Interval;
-use crate::surface::{Dir, Surface, jet_index, jet_len};
+use crate::surface::{Dir, Surface, jet_index, jet_len, normal_at};
 use glam::DVec3;
 
 /// Relative agreement of positions: exact formulas in double precision, with a margin for their length.
 const POSITION: f64 = 1e-13;
+/// Relative agreement of the positions of lists with single points: 4 units in the last place of the size.
+const LIST: f64 = 4.0 * f64::EPSILON;
 /// Relative agreement of a derivative with that of an exactly equal form.
 const DERIVATIVE: f64 = 1e-11;
 /// Relative agreement with a Richardson difference, whose own rounding error limits it.
@@ -323,19 +326,7 @@ pub fn surface_with(s: &dyn Surface, boxes: usize) {
             }
         }
     }
-    let (us, vs) = (
-        [random.within(domain[0]), domain[0].hi],
-        [domain[1].lo, random.within(domain[1])],
-    );
-    let mut grid = [DVec3::ZERO; 4];
-    s.grid(&us, &vs, &mut grid);
-    for i in 0..4 {
-        let uv = [us[i / 2], vs[i % 2]];
-        let mut list = [DVec3::ZERO];
-        s.points(&[uv], &mut list);
-        assert_eq!(list[0], s.point(uv), "a list gives the same points");
-        assert_eq!(grid[i], s.point(uv), "a grid gives the same points");
-    }
+    many(s, far, width, &mut random);
     for dir in [Dir::U, Dir::V] {
         let breaks = s.breaks(dir);
         for b in &breaks[1..breaks.len() - 1] {
@@ -423,5 +414,62 @@ pub fn surface_with(s: &dyn Surface, boxes: usize) {
                 );
             }
         }
+    }
+}
+
+/// Lists and grids: a grid is the same as single points to the last bit, a list within [`LIST`] of the size, and
+/// normals are those of [`normal_at`].
+fn many(s: &dyn Surface, far: f64, width: f64, random: &mut Random) {
+    let (domain, above) = (s.domain(), [Limit::Above; 2]);
+    // Both ends, all breaks of some pieces, and more columns than a kernel takes at once.
+    let mut some = |d: usize, dir: Dir, n: usize| {
+        let mut t: Vec<f64> = (0..n).map(|_| random.within(domain[d])).collect();
+        t.sort_by(f64::total_cmp);
+        t.extend(s.breaks(dir).iter().take(4).map(|b| b.at));
+        t.push(domain[d].hi);
+        t
+    };
+    let (us, vs) = (some(0, Dir::U, 3), some(1, Dir::V, 21));
+    let uv: Vec<[f64; 2]> = us
+        .iter()
+        .flat_map(|&u| vs.iter().map(move |&v| [u, v]))
+        .collect();
+    for order in 0..=2 {
+        let each = jet_len(order);
+        let mut grid = vec![DVec3::ZERO; uv.len() * each];
+        s.grid_jets(&us, &vs, order, &mut grid);
+        let mut list = grid.clone();
+        s.jets(&uv, order, &mut list);
+        for (k, &uv) in uv.iter().enumerate() {
+            let jet = s.jet(uv, above, order);
+            for (i, d) in jet.d.iter().enumerate() {
+                assert_eq!(
+                    grid[k * each + i],
+                    *d,
+                    "a grid of order {order} gives the same derivative {i} at {uv:?}"
+                );
+                let (got, order) = (list[k * each + i], [0, 1, 1, 2, 2, 2][i]);
+                let tol = if order == 0 {
+                    LIST * far
+                } else {
+                    DERIVATIVE * (d.length() + far / width.powi(order))
+                };
+                assert!(
+                    (got - *d).length() <= tol,
+                    "a list gives {got} for derivative {i} at {uv:?}, a point {d}: off by {:e}, allowed {tol:e}",
+                    (got - *d).length()
+                );
+            }
+        }
+    }
+    let mut short = [DVec3::ZERO];
+    s.points(&uv[..1], &mut short);
+    assert!((short[0] - s.point(uv[0])).length() <= LIST * far);
+    let mut normals = vec![[DVec3::ZERO; 2]; uv.len()];
+    s.grid_normals(&us, &vs, &mut normals);
+    for (&uv, [point, normal]) in uv.iter().zip(normals) {
+        let want = normal_at(s, uv, above).vector().unwrap_or(DVec3::ZERO);
+        assert_eq!(point, s.point(uv), "points beside normals are the same");
+        assert_eq!(normal, want, "normals of grids are the same at {uv:?}");
     }
 }

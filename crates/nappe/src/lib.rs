@@ -78,6 +78,7 @@ mod breaks;
 mod frame;
 mod interval;
 mod linear;
+mod simd;
 mod size;
 mod units;
 

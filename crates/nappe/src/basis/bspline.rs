@@ -1,6 +1,6 @@
 //! B-spline basis functions; Bernstein polynomials are the case without inner knots.
 
-use super::Functions;
+use super::{Functions, Table};
 use crate::breaks::{Break, Breaks, Limit};
 use crate::exact::PiecewiseRational;
 use crate::interval::Interval;
@@ -211,12 +211,12 @@ impl BSplineBasis {
     fn eval<S: Scalar>(&self, span: usize, t: S, order: usize, out: &mut [S]) {
         let p = self.degree;
         let k = |i: usize| S::from(self.knots[i]);
-        // rows[q] holds N_{span-q} … N_span of degree q.
-        let mut rows: SmallVec<[SmallVec<[S; 6]>; 6]> = SmallVec::with_capacity(p + 1);
-        rows.push(SmallVec::from_elem(S::ONE, 1));
+        // N_{span-q} … N_span of degree q, one row after the other: row q starts at q (q+1)/2.
+        let row = |q: usize| q * (q + 1) / 2;
+        let mut rows: SmallVec<[S; 28]> = SmallVec::from_elem(S::ONE, row(p + 1));
         for q in 1..=p {
-            let below = &rows[q - 1];
-            let mut row: SmallVec<[S; 6]> = SmallVec::with_capacity(q + 1);
+            let (below, this) = rows.split_at_mut(row(q));
+            let below = &below[row(q - 1)..];
             for r in 0..=q {
                 let i = span + r - q;
                 let mut n = S::ZERO;
@@ -226,9 +226,8 @@ impl BSplineBasis {
                 if r < q {
                     n = n + (k(i + q + 1) - t) / (k(i + q + 1) - k(i + 1)) * below[r];
                 }
-                row.push(n);
+                this[r] = n;
             }
-            rows.push(row);
         }
         for d in 0..=order {
             let o = &mut out[d * (p + 1)..][..p + 1];
@@ -237,7 +236,7 @@ impl BSplineBasis {
                 continue;
             }
             // N'_{i,q} = q (N_{i,q-1}/(k_{i+q} - k_i) - N_{i+1,q-1}/(k_{i+q+1} - k_{i+1})), applied d times.
-            o[..=p - d].copy_from_slice(&rows[p - d]);
+            o[..=p - d].copy_from_slice(&rows[row(p - d)..row(p - d + 1)]);
             for q in p - d + 1..=p {
                 let factor = S::from(q as f64);
                 for r in (0..=q).rev() {
@@ -269,6 +268,21 @@ impl BSplineBasis {
             }
         }
         d[p]
+    }
+}
+
+impl BSplineBasis {
+    /// The Bernstein coefficients of an active function (from 0) on a piece.
+    fn bernstein_of(&self, piece: usize, function: usize) -> SmallVec<[f64; 6]> {
+        let (p, Interval { lo, hi }) = (self.degree, self.breaks.piece(piece));
+        let mut unit: SmallVec<[f64; 6]> = SmallVec::from_elem(0.0, p + 1);
+        unit[function] = 1.0;
+        let coefficient = |j: usize| {
+            let mut arguments: SmallVec<[f64; 6]> = SmallVec::from_elem(lo, p);
+            arguments[p - j..].fill(hi);
+            self.blossom(self.spans[piece], &unit, &arguments)
+        };
+        (0..=p).map(coefficient).collect()
     }
 }
 
@@ -308,18 +322,10 @@ impl Functions for BSplineBasis {
     fn to_piecewise(&self) -> Option<PiecewiseRational> {
         let (p, n) = (self.degree, self.count());
         let mut coefficients = vec![0.0; self.spans.len() * n * (p + 1)];
-        let mut unit: SmallVec<[f64; 6]> = SmallVec::from_elem(0.0, p + 1);
         for (piece, &span) in self.spans.iter().enumerate() {
-            let Interval { lo, hi } = self.breaks.piece(piece);
             for f in 0..=p {
-                unit.fill(0.0);
-                unit[f] = 1.0;
                 let at = (piece * n + span - p + f) * (p + 1);
-                for j in 0..=p {
-                    let mut arguments: SmallVec<[f64; 6]> = SmallVec::from_elem(lo, p);
-                    arguments[p - j..].fill(hi);
-                    coefficients[at + j] = self.blossom(span, &unit, &arguments);
-                }
+                coefficients[at..at + p + 1].copy_from_slice(&self.bernstein_of(piece, f));
             }
         }
         Some(PiecewiseRational::polynomial(
@@ -328,6 +334,12 @@ impl Functions for BSplineBasis {
             n,
             coefficients,
         ))
+    }
+
+    fn table(&self) -> Option<Table> {
+        let first = self.spans.iter().map(|s| s - self.degree).collect();
+        let bernstein = |piece, f| self.bernstein_of(piece, f).to_vec();
+        Table::from_active(&self.breaks, self.degree, first, self.count(), bernstein)
     }
 }
 

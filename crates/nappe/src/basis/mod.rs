@@ -43,6 +43,11 @@ pub trait Functions: Debug + Send + Sync {
     fn to_piecewise(&self) -> Option<PiecewiseRational> {
         None
     }
+
+    /// The functions prepared for many parameters, where that pays.
+    fn table(&self) -> Option<Table> {
+        Table::from_piecewise(&self.to_piecewise()?)
+    }
 }
 
 /// A shared list of functions.
@@ -192,6 +197,9 @@ impl Functions for Stack {
         let parts: Option<Vec<_>> = self.parts.iter().map(|p| p.to_piecewise()).collect();
         Some(PiecewiseRational::stack(&parts?))
     }
+    fn table(&self) -> Option<Table> {
+        Some(Table::stack(&self.parts))
+    }
 }
 
 mod blending;
@@ -200,6 +208,7 @@ mod combination;
 mod expression;
 mod framed;
 mod hermite;
+mod table;
 mod trigonometric;
 mod turn;
 
@@ -209,5 +218,7 @@ pub use combination::Combination;
 pub use expression::{ExpressionFunctions, ExpressionFunctionsError};
 pub use framed::Framed;
 pub use hermite::Hermite;
+pub use table::Table;
+pub(crate) use table::{Powers, TABLE_ORDER};
 pub use trigonometric::{Trigonometric, TrigonometricError};
 pub use turn::Turn;

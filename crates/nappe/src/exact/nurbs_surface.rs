@@ -266,6 +266,11 @@ impl NurbsSurface {
         self.points.iter().map(|p| p.w).collect()
     }
 
+    /// The surface as a sum of products.
+    pub fn separable(&self) -> &Separable {
+        &self.form
+    }
+
     /// True if the weights differ.
     pub fn is_rational(&self) -> bool {
         self.form.is_rational()
@@ -320,8 +325,16 @@ impl Surface for NurbsSurface {
         whole.unwrap_or_default()
     }
 
-    fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
-        self.form.grid(u, v, out);
+    fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
+        self.form.jets(uv, order, out);
+    }
+
+    fn grid_jets(&self, u: &[f64], v: &[f64], order: usize, out: &mut [DVec3]) {
+        self.form.grid_jets(u, v, order, out);
+    }
+
+    fn grid_normals(&self, u: &[f64], v: &[f64], out: &mut [[DVec3; 2]]) {
+        self.form.grid_normals(u, v, out);
     }
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {

@@ -5,13 +5,10 @@ use super::contour::{Contour, ContourError};
 use super::coons_data::Data;
 use super::gregory::Gregory;
 use super::sides::{Corner, Side};
-use super::{Dir, Elementary, Separable, Surface, SurfaceRef};
+use super::{Elementary, Separable, Surface, SurfaceRef};
 use crate::basis::Blending;
-use crate::box3::Box3;
-use crate::breaks::{Break, Limit};
 use crate::curve::{CurveRef, on_unit_domain};
 use crate::exact::NurbsSurface;
-use crate::interval::Interval;
 use glam::DVec3;
 use thiserror::Error;
 
@@ -241,21 +238,7 @@ impl Coons {
 }
 
 impl Surface for Coons {
-    fn breaks(&self, dir: Dir) -> &[Break] {
-        self.surface().breaks(dir)
-    }
-
-    fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
-        self.surface().jet_into(uv, limit, order, out);
-    }
-
-    fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
-        self.surface().enclose_piece(uv, limit, order, out);
-    }
-
-    fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
-        self.surface().grid(u, v, out);
-    }
+    evaluate_through!(self => self.surface());
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {
         self.surface().to_nurbs()

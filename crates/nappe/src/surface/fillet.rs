@@ -2,10 +2,8 @@
 
 use super::rolling_ball::{Cylinder, Radius, RollingBall, Track, prove};
 use super::turned::carried_round;
-use super::{Core, Dir, Elementary, Separable, Surface, Term};
+use super::{Core, Elementary, Separable, Surface, Term};
 use crate::basis::{BSplineBasis, FunctionsRef};
-use crate::box3::Box3;
-use crate::breaks::{Break, Limit};
 use crate::exact::{ConicArcs, NurbsSurface};
 use crate::frame::Frame;
 use crate::interval::Interval;
@@ -547,25 +545,7 @@ fn ball_does_not_reach(track: &Track, at: f64, radius: f64) -> FilletError {
 }
 
 impl Surface for Fillet {
-    fn breaks(&self, dir: Dir) -> &[Break] {
-        self.form.breaks(dir)
-    }
-
-    fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
-        self.form.jet_into(uv, limit, order, out);
-    }
-
-    fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
-        self.form.enclose_piece(uv, limit, order, out);
-    }
-
-    fn points(&self, uv: &[[f64; 2]], out: &mut [DVec3]) {
-        self.form.points(uv, out);
-    }
-
-    fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
-        self.form.grid(u, v, out);
-    }
+    evaluate_through!(self => self.form);
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {
         self.nurbs.clone()

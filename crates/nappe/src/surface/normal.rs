@@ -49,6 +49,15 @@ impl Normal {
 /// point), along v where `r_u = 0`. In other degenerate points (parallel tangents in a corner) the limits along u,
 /// along v and along the diagonal must agree. Never a NaN. Cost: one jet of order 1; at degenerate points one of order 5.
 pub fn normal_at(surface: &dyn Surface, uv: [f64; 2], limit: [Limit; 2]) -> Normal {
+    normal_of(surface, uv, limit)
+}
+
+/// The same for a surface of a kind that need not be known.
+pub(super) fn normal_of<S: Surface + ?Sized>(
+    surface: &S,
+    uv: [f64; 2],
+    limit: [Limit; 2],
+) -> Normal {
     let width = [0, 1].map(|k| {
         let breaks = surface.breaks([Dir::U, Dir::V][k]);
         breaks.piece(breaks.find(uv[k], limit[k])).width()
@@ -62,6 +71,20 @@ pub fn normal_at(surface: &dyn Surface, uv: [f64; 2], limit: [Limit; 2]) -> Norm
         return plain.try_normalize().map_or(Normal::None, Normal::Regular);
     }
     Tangents::new(surface, uv, limit, width).normal()
+}
+
+/// True if the tangents surely span a plane by [`normal_at`]'s rule, from the squared lengths of their cross product, of
+/// both (over the width of the piece) and of the point.
+#[inline(always)]
+pub(super) fn is_plain(cross: f64, a: f64, b: f64, point: f64) -> bool {
+    /// Squares outside lose digits or overflow.
+    const RANGE: [f64; 2] = [1e-250, 1e250];
+    // Twice the limits: rounding decides nothing.
+    let (shorter, longer) = (a.min(b), a.max(b));
+    cross > 4.0 * PLAIN * PLAIN * longer * longer
+        && shorter > 4.0 * WELL_ABOVE_ROUNDING * WELL_ABOVE_ROUNDING * point
+        && cross > RANGE[0]
+        && cross < RANGE[1]
 }
 
 /// Taylor coefficients of both tangents at a point, in parameters that run over `[0, 1]` in the piece: all vectors are
@@ -81,7 +104,12 @@ struct Tangents {
 }
 
 impl Tangents {
-    fn new(surface: &dyn Surface, uv: [f64; 2], limit: [Limit; 2], width: [f64; 2]) -> Self {
+    fn new<S: Surface + ?Sized>(
+        surface: &S,
+        uv: [f64; 2],
+        limit: [Limit; 2],
+        width: [f64; 2],
+    ) -> Self {
         let jet = surface.jet(uv, limit, ORDERS + 1);
         let domain = surface.domain();
         let inwards = [0, 1].map(|k| match limit[k] {

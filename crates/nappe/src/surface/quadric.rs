@@ -1,13 +1,10 @@
 //! The quadrics: exact rational surfaces of degree at most 2 × 2.
 
 use super::turned::{carried_round, homogeneous};
-use super::{Dir, Elementary, Surface};
+use super::{Elementary, Surface};
 use crate::basis::BSplineBasis;
-use crate::box3::Box3;
-use crate::breaks::{Break, Limit};
 use crate::exact::{ConicArcs, NurbsSurface};
 use crate::frame::Frame;
-use crate::interval::Interval;
 use glam::{DVec3, DVec4, Vec4Swizzles};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use thiserror::Error;
@@ -480,25 +477,7 @@ fn surface(
 }
 
 impl Surface for Quadric {
-    fn breaks(&self, dir: Dir) -> &[Break] {
-        self.nurbs.breaks(dir)
-    }
-
-    fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
-        self.nurbs.jet_into(uv, limit, order, out);
-    }
-
-    fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
-        self.nurbs.enclose_piece(uv, limit, order, out);
-    }
-
-    fn points(&self, uv: &[[f64; 2]], out: &mut [DVec3]) {
-        self.nurbs.points(uv, out);
-    }
-
-    fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
-        self.nurbs.grid(u, v, out);
-    }
+    evaluate_through!(self => self.nurbs);
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {
         Some(self.nurbs.clone())

@@ -3,10 +3,8 @@
 use super::axis_contact::{self, Contact};
 use super::sectors::Sectors;
 use super::turned::{net, turned};
-use super::{CoonsError, Dir, Elementary, Separable, Surface, SurfaceRef, elementary};
+use super::{CoonsError, Elementary, Separable, Surface, SurfaceRef, elementary};
 use crate::basis::{Framed, Turn};
-use crate::box3::Box3;
-use crate::breaks::{Break, Limit};
 use crate::curve::CurveRef;
 use crate::exact::{ConicArcs, NurbsCurve, NurbsSurface};
 use crate::frame::Frame;
@@ -401,25 +399,7 @@ fn turned_by(mut arcs: ConicArcs, angle: f64) -> ConicArcs {
 }
 
 impl Surface for Revolution {
-    fn breaks(&self, dir: Dir) -> &[Break] {
-        self.form.breaks(dir)
-    }
-
-    fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
-        self.form.jet_into(uv, limit, order, out);
-    }
-
-    fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
-        self.form.enclose_piece(uv, limit, order, out);
-    }
-
-    fn points(&self, uv: &[[f64; 2]], out: &mut [DVec3]) {
-        self.form.points(uv, out);
-    }
-
-    fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
-        self.form.grid(u, v, out);
-    }
+    evaluate_through!(self => self.form);
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {
         self.form.to_nurbs()

@@ -1,6 +1,6 @@
 //! Chashnikov's construction: sectors of a surface of revolution as Coons surfaces.
 
-use super::{Coons, CoonsError, Dir, Surface};
+use super::{Coons, CoonsError, Dir, Surface, check_length, jet_len};
 use crate::basis::{Blending, Functions, Turn};
 use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit, UNIT_BREAKS};
@@ -179,5 +179,52 @@ impl Surface for Sectors {
         part.enclose_piece([uv[0], v], limit, order, out);
         // The number of sectors to a small power is a whole number: exact.
         rescale(order, count, out, |b, s| b.scale(Interval::point(s)));
+    }
+
+    fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
+        let (each, count) = (jet_len(order), self.parts.len() as f64);
+        check_length(uv.len() * each, out.len());
+        let sector: Vec<usize> = uv
+            .iter()
+            .map(|uv| self.breaks_v.find(uv[1], Limit::Above))
+            .collect();
+        for (k, part) in self.parts.iter().enumerate() {
+            let inside: Vec<usize> = (0..uv.len()).filter(|&i| sector[i] == k).collect();
+            let local: Vec<[f64; 2]> = inside
+                .iter()
+                .map(|&i| [uv[i][0], uv[i][1] * count - k as f64])
+                .collect();
+            let mut jets = vec![DVec3::ZERO; inside.len() * each];
+            part.jets(&local, order, &mut jets);
+            for (i, jet) in inside.into_iter().zip(jets.chunks_exact_mut(each)) {
+                rescale(order, count, jet, |d, s| *d * s);
+                out[i * each..][..each].copy_from_slice(jet);
+            }
+        }
+    }
+
+    fn grid_jets(&self, u: &[f64], v: &[f64], order: usize, out: &mut [DVec3]) {
+        let (each, count) = (jet_len(order), self.parts.len() as f64);
+        check_length(u.len() * v.len() * each, out.len());
+        let mut start = 0;
+        // Columns of one sector at a time.
+        while start < v.len() {
+            let (part, k) = self.find(v[start], Limit::Above);
+            let same = |v: &&f64| self.breaks_v.find(**v, Limit::Above) == k;
+            let local: Vec<f64> = v[start..]
+                .iter()
+                .take_while(same)
+                .map(|v| v * count - k as f64)
+                .collect();
+            let mut jets = vec![DVec3::ZERO; local.len() * each];
+            for (u, row) in u.iter().zip(out.chunks_exact_mut(v.len() * each)) {
+                part.grid_jets(&[*u], &local, order, &mut jets);
+                for jet in jets.chunks_exact_mut(each) {
+                    rescale(order, count, jet, |d, s| *d * s);
+                }
+                row[start * each..][..jets.len()].copy_from_slice(&jets);
+            }
+            start += local.len();
+        }
     }
 }

@@ -3,8 +3,8 @@
 //! Every surface of the five sources is of this form. A kind states its two lists of functions and the constant core
 //! `C`; derivatives, enclosures, grids and the exact conversion to NURBS are here, once.
 
-use super::{Dir, Surface, jet_index, jet_len};
-use crate::basis::FunctionsRef;
+use super::{Dir, Surface, check_length, grid, jet_index, jet_len, list, pairs};
+use crate::basis::{FunctionsRef, TABLE_ORDER, Table};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit};
 use crate::exact::NurbsSurface;
@@ -14,6 +14,7 @@ use crate::series::binomial;
 use glam::{DAffine3, DVec3, DVec4, Vec4Swizzles};
 use smallvec::SmallVec;
 use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 /// One product `c · a_i(u) · b_j(v)` of a separable surface; `c` holds (x, y, z, w).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,6 +51,8 @@ pub struct Separable {
     core: Core,
     origin: DVec3,
     rational: bool,
+    /// Both sides prepared for lists, when the first list comes.
+    tables: Arc<OnceLock<[Table; 2]>>,
 }
 
 impl Separable {
@@ -93,7 +96,13 @@ impl Separable {
             core,
             origin,
             rational,
+            tables: Arc::default(),
         }
+    }
+
+    fn tables(&self) -> &[Table; 2] {
+        self.tables
+            .get_or_init(|| [Table::new(&self.u), Table::new(&self.v)])
     }
 
     /// The functions of u.
@@ -140,7 +149,7 @@ impl Separable {
     ///
     /// With `shift` the core is measured from there: near that point the quotient rule loses nothing to cancellation.
     /// With `centre` a net's columns are measured from their means, see [`mean`]; the functions of u must sum to 1.
-    fn collapse<S: Scalar>(
+    pub(super) fn collapse<S: Scalar>(
         &self,
         a: &[S],
         [range_u, range_v]: [Range<usize>; 2],
@@ -150,7 +159,7 @@ impl Separable {
     ) {
         let (na, nb) = (range_u.len(), range_v.len());
         let lift = |c: DVec4| -> [S; 4] {
-            let [x, y, z, w] = c.to_array().map(S::from);
+            let (x, y, z, w) = (S::from(c.x), S::from(c.y), S::from(c.z), S::from(c.w));
             match shift {
                 _ if !self.rational => [x, y, z, S::ZERO],
                 Some(s) => [x - s[0] * w, y - s[1] * w, z - s[2] * w, w],
@@ -264,7 +273,8 @@ impl Separable {
                         }
                     }
                 }
-                out[at] = s.map(|x| x / h[0][3]);
+                let w = h[0][3];
+                out[at] = [s[0] / w, s[1] / w, s[2] / w];
             }
         }
     }
@@ -322,40 +332,31 @@ impl Surface for Separable {
         out[0] += self.origin;
     }
 
-    /// A grid of n × m points costs n + m evaluations of the sides and one small product a point. The operations of a
-    /// point are those of [`Surface::point`] in the same order, so the result is the same to the last bit.
-    fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
-        assert_eq!(
-            u.len() * v.len(),
-            out.len(),
-            "one point for each pair of the grid"
-        );
-        let (limit, all) = (Limit::Above, 0..self.v.count());
-        let mut starts = Vec::with_capacity(v.len());
-        let mut values: Vec<f64> = Vec::new();
-        for &v in v {
-            let range = self.v.active(v, limit);
-            let at = values.len();
-            values.resize(at + range.len(), 0.0);
-            self.v.jet_into(v, limit, 0, &mut values[at..]);
-            starts.push((at, range));
+    fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
+        check_length(uv.len() * jet_len(order), out.len());
+        if order <= TABLE_ORDER {
+            list::jets(self, self.tables(), uv, order, out);
+            return;
         }
-        let mut k = vec![[0.0; 4]; all.len()];
-        let mut a: SmallVec<[f64; 32]> = SmallVec::new();
-        for (row, &u) in out.chunks_exact_mut(v.len().max(1)).zip(u) {
-            let range = self.u.active(u, limit);
-            a.clear();
-            a.resize(range.len(), 0.0);
-            self.u.jet_into(u, limit, 0, &mut a);
-            self.collapse(&a, [range, all.clone()], None, false, &mut k);
-            for (o, (at, range)) in row.iter_mut().zip(&starts) {
-                let (mut h, mut r) = ([[0.0; 4]], [[0.0; 3]]);
-                let row = &mut k[range.clone()];
-                Self::contract(row, &values[*at..], range.len(), 0, false, &mut h);
-                self.dehomogenise(&h, 0, &mut r);
-                *o = DVec3::from_array(r[0]) + self.origin;
-            }
+        for (out, &uv) in out.chunks_exact_mut(jet_len(order)).zip(uv) {
+            self.jet_into(uv, [Limit::Above; 2], order, out);
         }
+    }
+
+    fn grid_jets(&self, u: &[f64], v: &[f64], order: usize, out: &mut [DVec3]) {
+        check_length(u.len() * v.len() * jet_len(order), out.len());
+        if order <= grid::KERNEL_ORDER {
+            grid::jets(self, u, v, order, out);
+            return;
+        }
+        for (out, uv) in out.chunks_exact_mut(jet_len(order)).zip(pairs(u, v)) {
+            self.jet_into(uv, [Limit::Above; 2], order, out);
+        }
+    }
+
+    fn grid_normals(&self, u: &[f64], v: &[f64], out: &mut [[DVec3; 2]]) {
+        check_length(u.len() * v.len(), out.len());
+        grid::normals(self, u, v, out);
     }
 
     fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {

@@ -1,13 +1,11 @@
 //! The torus.
 
+use super::Surface;
 use super::turned::carried_round;
-use super::{Dir, Surface};
-use crate::box3::Box3;
-use crate::breaks::{Break, Limit};
 use crate::exact::{ConicArcs, NurbsSurface};
 use crate::frame::Frame;
 use crate::interval::Interval;
-use glam::{DVec3, DVec4};
+use glam::DVec4;
 use std::f64::consts::TAU;
 use thiserror::Error;
 
@@ -163,25 +161,7 @@ impl Torus {
 }
 
 impl Surface for Torus {
-    fn breaks(&self, dir: Dir) -> &[Break] {
-        self.nurbs.breaks(dir)
-    }
-
-    fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
-        self.nurbs.jet_into(uv, limit, order, out);
-    }
-
-    fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
-        self.nurbs.enclose_piece(uv, limit, order, out);
-    }
-
-    fn points(&self, uv: &[[f64; 2]], out: &mut [DVec3]) {
-        self.nurbs.points(uv, out);
-    }
-
-    fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
-        self.nurbs.grid(u, v, out);
-    }
+    evaluate_through!(self => self.nurbs);
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {
         Some(self.nurbs.clone())

@@ -1,7 +1,7 @@
 //! Surfaces under affine maps, and with u and v exchanged.
 
 use super::elementary::{Elementary, normal_image};
-use super::{Dir, Surface, SurfaceRef, jet_index};
+use super::{Dir, Surface, SurfaceRef, check_length, jet_index, jet_len};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit};
 use crate::exact::NurbsSurface;
@@ -12,6 +12,14 @@ use thiserror::Error;
 /// The smallest volume of the image of the unit cube, relative to the product of its edges, that is a map of space onto
 /// space: with less, the image is flat within rounding and its normals are noise.
 const FLATTENED: f64 = 1e-12;
+
+/// How many points are evaluated before they are mapped or put in place: their jets stay in the second-level cache.
+const PART: usize = 4096;
+
+/// How many rows of a grid make such a part.
+fn rows_of(columns: usize) -> usize {
+    (PART / columns.max(1)).max(1)
+}
 
 /// What can be wrong with a map of a surface.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -77,6 +85,16 @@ impl Transformed {
         normal_image(&self.map.matrix3, n).try_normalize()
     }
 
+    /// Maps jets of some length.
+    fn apply(&self, each: usize, out: &mut [DVec3]) {
+        for jet in out.chunks_exact_mut(each) {
+            for d in jet.iter_mut() {
+                *d = self.map.matrix3 * *d;
+            }
+            jet[0] += self.map.translation;
+        }
+    }
+
     fn nurbs(&self, n: NurbsSurface) -> NurbsSurface {
         let points = n
             .homogeneous()
@@ -94,10 +112,7 @@ impl Surface for Transformed {
 
     fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
         self.surface.jet_into(uv, limit, order, out);
-        for d in out.iter_mut() {
-            *d = self.map.matrix3 * *d;
-        }
-        out[0] += self.map.translation;
+        self.apply(out.len(), out);
     }
 
     fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
@@ -106,6 +121,29 @@ impl Surface for Transformed {
             *b = b.linear_image(&self.map.matrix3);
         }
         out[0] = out[0] + Box3::point(self.map.translation);
+    }
+
+    fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
+        let each = jet_len(order);
+        check_length(uv.len() * each, out.len());
+        // By parts that stay in the caches between being written and being mapped.
+        for (uv, out) in uv.chunks(PART).zip(out.chunks_mut(PART * each)) {
+            self.surface.jets(uv, order, out);
+            self.apply(each, out);
+        }
+    }
+
+    fn grid_jets(&self, u: &[f64], v: &[f64], order: usize, out: &mut [DVec3]) {
+        let each = jet_len(order);
+        check_length(u.len() * v.len() * each, out.len());
+        let rows = rows_of(v.len());
+        for (u, out) in u
+            .chunks(rows)
+            .zip(out.chunks_mut(rows * (v.len() * each).max(1)))
+        {
+            self.surface.grid_jets(u, v, order, out);
+            self.apply(each, out);
+        }
     }
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {
@@ -175,6 +213,35 @@ impl Surface for Swapped {
         let ([u, v], [a, b]) = (uv, limit);
         self.surface.enclose_piece([v, u], [b, a], order, out);
         swap_jet(order, out);
+    }
+
+    fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
+        let each = jet_len(order);
+        check_length(uv.len() * each, out.len());
+        let vu: Vec<[f64; 2]> = uv.iter().map(|&[u, v]| [v, u]).collect();
+        self.surface.jets(&vu, order, out);
+        for jet in out.chunks_exact_mut(each) {
+            swap_jet(order, jet);
+        }
+    }
+
+    fn grid_jets(&self, u: &[f64], v: &[f64], order: usize, out: &mut [DVec3]) {
+        let each = jet_len(order);
+        check_length(u.len() * v.len() * each, out.len());
+        // Rows of the inner grid are columns of this one.
+        let rows = rows_of(u.len());
+        let mut part = vec![DVec3::ZERO; rows.min(v.len()) * u.len() * each];
+        for (k, vs) in v.chunks(rows).enumerate() {
+            let part = &mut part[..vs.len() * u.len() * each];
+            self.surface.grid_jets(vs, u, order, part);
+            for (i, row) in out.chunks_exact_mut(v.len() * each).enumerate() {
+                let row = &mut row[k * rows * each..][..vs.len() * each];
+                for (j, jet) in row.chunks_exact_mut(each).enumerate() {
+                    jet.copy_from_slice(&part[(j * u.len() + i) * each..][..each]);
+                    swap_jet(order, jet);
+                }
+            }
+        }
     }
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {

@@ -2,8 +2,7 @@
 
 use super::{Contour, Core, Corner, Dir, Separable, Side, Surface, Term};
 use crate::basis::{BSplineBasis, Combination, Coordinates, Functions, FunctionsRef, One, Stack};
-use crate::box3::Box3;
-use crate::breaks::{Break, Breaks, Limit};
+use crate::breaks::{Breaks, Limit};
 use crate::curve::{CurveRef, on_unit_domain};
 use crate::exact::NurbsSurface;
 use crate::interval::Interval;
@@ -608,25 +607,7 @@ fn square_to(d11: DVec3, given: Option<[DVec3; 2]>) -> Result<[DVec3; 2], Diagon
 }
 
 impl Surface for DiagonalKey {
-    fn breaks(&self, dir: Dir) -> &[Break] {
-        self.form.breaks(dir)
-    }
-
-    fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
-        self.form.jet_into(uv, limit, order, out);
-    }
-
-    fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
-        self.form.enclose_piece(uv, limit, order, out);
-    }
-
-    fn points(&self, uv: &[[f64; 2]], out: &mut [DVec3]) {
-        self.form.points(uv, out);
-    }
-
-    fn grid(&self, u: &[f64], v: &[f64], out: &mut [DVec3]) {
-        self.form.grid(u, v, out);
-    }
+    evaluate_through!(self => self.form);
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {
         self.form.to_nurbs()

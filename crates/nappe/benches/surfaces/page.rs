@@ -1,0 +1,115 @@
+//! The page of the figures.
+
+use crate::number;
+use crate::plot::svg;
+use crate::scaling::Plot;
+use crate::tasks::Row;
+use std::fmt::Write;
+use std::fs;
+
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs");
+
+const HEAD: &str = "\
+# Performance
+
+<!-- Written by `cargo xtask bench --page`; change crates/nappe/benches/surfaces/page.rs instead. -->
+
+Each row is the best of several runs, one core unless said, results written to memory that is already mapped. *Limit* is
+the time to write the result, measured in the same run: nothing that stores its answer can be faster. *Plain* is a loop
+over single points (in rows of two threads: one thread). Other libraries stand beside the tasks they have a call for, in
+their fastest public call; they are those of `bench/peers.py` that were installed. Compare ratios, not times.
+";
+
+const BOUNDS: &str = "
+## What bounds each row
+
+* **T1, T4, grid**: writing to memory, once the grid has some hundred columns. The sides are evaluated n + m times; what
+  remains is one short sum of products a point, eight columns at a time. Kinds made of curves pay n + m evaluations of
+  these curves by the exact path.
+* **T2, normal**: the arithmetic: two tangents, a cross product, a square root and a division a point.
+* **T3, T3b, list, list1**: the arithmetic of one point after the other: finding the piece, the sides by powers about the
+  piece's middle, and the products with the net. Nets beyond the caches are walked through in their own order, so that
+  the net is read once for each quarter of a million points.
+* **Sides that are no polynomials** (turns by angle, trigonometric blending, the Diagonal-key's turning functions,
+  expressions) are evaluated as single points are: lists of such kinds cost what their functions cost.
+* **mesh**: the enclosures that prove the tolerance.
+
+Grids are the same as single points to the last bit, with any instruction set and any number of threads. Lists are the
+same with any instruction set and any number of threads, and agree with single points within four units in the last place
+of the surface's size. No product is fused with a sum, since that would change the last bit from machine to machine.
+";
+
+/// The processor, in words.
+fn machine() -> String {
+    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info
+        .lines()
+        .find_map(|l| l.strip_prefix("model name")?.split(':').nth(1));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    format!(
+        "{}, {cores} cores",
+        model.map_or("unknown processor", str::trim)
+    )
+}
+
+fn cells(row: &Row) -> String {
+    let or_none = |x: Option<f64>| x.map_or("–".into(), number);
+    let peers: Vec<String> = row
+        .peers
+        .iter()
+        .map(|(name, ns)| format!("{name} {} ({}×)", number(*ns), number(ns / row.ns)))
+        .collect();
+    format!(
+        "| {} | {} | {} | {} | {} | {} | {} | {} |\n",
+        row.task,
+        row.kind,
+        row.n,
+        number(row.ns),
+        or_none(row.limit),
+        or_none(row.limit.map(|l| row.ns / l)),
+        or_none(row.plain),
+        peers.join(", ")
+    )
+}
+
+/// Writes the page and its plots.
+pub(crate) fn write(rows: &[Row], plots: &[Plot]) {
+    let mut page = String::from(HEAD);
+    write!(
+        page,
+        "\nMachine: {}. Command: `cargo xtask bench --page`.\n\n\
+         | task | kind | n | ns an item | limit | × limit | plain | others, ns (times ours) |\n\
+         |---|---|--:|--:|--:|--:|--:|---|\n",
+        machine()
+    )
+    .unwrap();
+    rows.iter().for_each(|r| page += &cells(r));
+    page += "\nT1 grid of positions, T2 with unit normals, T3 scattered points with first derivatives, T3b with second too,\n\
+        T4 as T1 for a rational net; *list1* with first derivatives; *mesh* for each triangle, proven to a thousandth of the\n\
+        diagonal.\n";
+    page += BOUNDS;
+    page += "\n## How cost grows\n";
+    fs::create_dir_all(format!("{FOLDER}/performance")).unwrap();
+    for plot in plots {
+        fs::write(format!("{FOLDER}/performance/{}.svg", plot.file), svg(plot)).unwrap();
+        write!(
+            page,
+            "\n![Time over {}](performance/{}.svg)\n\n| line | {} | ns an item | memory, MB |\n|---|--:|--:|--:|\n",
+            plot.x, plot.file, plot.x
+        )
+        .unwrap();
+        for line in &plot.lines {
+            for (x, ns, bytes) in &line.points {
+                let row = format!(
+                    "| {} | {x} | {} | {} |\n",
+                    line.name,
+                    number(*ns),
+                    number(bytes / 1e6)
+                );
+                page += &row;
+            }
+        }
+    }
+    page += "\nMemory is that of the parameters and results for points, and of the nets for nets and surfaces.\n";
+    fs::write(format!("{FOLDER}/performance.md"), page).unwrap();
+}

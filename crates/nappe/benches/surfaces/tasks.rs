@@ -1,0 +1,255 @@
+//! What is measured.
+
+use crate::cases;
+use crate::clock::{best, write_limit};
+use nappe::exact::NurbsSurface;
+use nappe::laws::Random;
+use nappe::mesh::{self, MeshOptions};
+use nappe::surface::{SurfaceRef, in_parallel, jet_len};
+use nappe::{DVec3, Interval};
+use serde_json::{Value, json};
+use std::hint::black_box;
+use std::sync::Arc;
+
+/// One figure.
+pub(crate) struct Row {
+    /// T1 … T4 as in the published targets, or what is done for every kind.
+    pub(crate) task: &'static str,
+    pub(crate) kind: String,
+    pub(crate) n: usize,
+    pub(crate) ns: f64,
+    /// The time to write the result.
+    pub(crate) limit: Option<f64>,
+    /// The time of a loop over single points.
+    pub(crate) plain: Option<f64>,
+    pub(crate) peers: Vec<(String, f64)>,
+}
+
+impl Row {
+    pub(crate) fn json(&self) -> Value {
+        let peers: serde_json::Map<String, Value> = self
+            .peers
+            .iter()
+            .map(|(name, ns)| (name.clone(), json!(ns)))
+            .collect();
+        json!({"task": self.task, "kind": self.kind, "n": self.n, "ns_per_item": self.ns, "limit_ns": self.limit,
+            "ratio_to_limit": self.limit.map(|l| self.ns / l), "plain_ns": self.plain, "peers": peers})
+    }
+}
+
+/// `n` parameters from end to end.
+pub(crate) fn even(d: Interval, n: usize) -> Vec<f64> {
+    let at = |i: usize| d.lo + (d.hi - d.lo) * i as f64 / (n - 1) as f64;
+    (0..n).map(at).collect()
+}
+
+/// `n` parameter pairs, the same in every run.
+pub(crate) fn scattered(surface: &SurfaceRef, n: usize) -> Vec<[f64; 2]> {
+    let mut random = Random(42);
+    let d = surface.domain();
+    (0..n).map(|_| d.map(|d| random.within(d))).collect()
+}
+
+/// A bicubic spline surface of `points` × `points` points.
+pub(crate) fn net(points: usize) -> SurfaceRef {
+    let mut random = Random(7);
+    let net: Vec<DVec3> = (0..points * points)
+        .map(|i| DVec3::new((i / points) as f64, (i % points) as f64, random.unit()))
+        .collect();
+    let knots = nappe::basis::BSplineBasis::clamped_uniform(3, points);
+    Arc::new(NurbsSurface::new([3, 3], [knots.clone(), knots], &net, None).unwrap())
+}
+
+/// How much is done.
+struct Size {
+    side: usize,
+    list: usize,
+    runs: usize,
+}
+
+pub(crate) fn all(quick: bool, names: &[&str]) -> Vec<Row> {
+    let size = if quick {
+        Size {
+            side: 100,
+            list: 10_000,
+            runs: 2,
+        }
+    } else {
+        Size {
+            side: 1000,
+            list: 1_000_000,
+            runs: 5,
+        }
+    };
+    let wanted = |name: &str| names.is_empty() || names.iter().any(|n| name.contains(n));
+    let mut rows = Vec::new();
+    let cases = cases::all();
+    let find = |name: &str| cases.iter().find(|c| c.0 == name).map(|c| &c.1);
+    let bicubic = find("nurbs bicubic 20x20").expect("a case of this name");
+    let torus = find("nurbs rational torus").expect("a case of this name");
+    if wanted("nurbs bicubic 20x20") {
+        rows.push(grid("T1", "nurbs bicubic 20x20", bicubic, &size));
+        rows.push(normals("T2", "nurbs bicubic 20x20", bicubic, &size));
+        rows.push(list("T3", "nurbs bicubic 20x20", bicubic, 1, &size));
+        rows.push(list("T3b", "nurbs bicubic 20x20", bicubic, 2, &size));
+    }
+    if wanted("nurbs rational torus") {
+        rows.push(grid("T4", "nurbs rational torus", torus, &size));
+    }
+    if wanted("nurbs bicubic 1000x1000") {
+        let side = if quick { 200 } else { 1000 };
+        let surface = net(side);
+        rows.push(list(
+            "T3",
+            &format!("nurbs bicubic {side}x{side}"),
+            &surface,
+            1,
+            &size,
+        ));
+    }
+    if wanted("two threads") {
+        rows.extend(two_threads(bicubic, &size));
+    }
+    if wanted("one point") {
+        rows.push(one_point(bicubic, &size));
+    }
+    for (kind, surface) in cases.iter().filter(|c| wanted(c.0)) {
+        rows.push(grid("grid", kind, surface, &size));
+        rows.push(normals("normal", kind, surface, &size));
+        // Single points of procedural kinds take microseconds.
+        let fewer = Size {
+            list: size.list / 10,
+            ..size
+        };
+        rows.push(list("list", kind, surface, 0, &fewer));
+        rows.push(list("list1", kind, surface, 1, &fewer));
+        rows.push(triangles(kind, surface));
+    }
+    rows
+}
+
+fn row(task: &'static str, kind: &str, n: usize, ns: f64) -> Row {
+    Row {
+        task,
+        kind: kind.into(),
+        n,
+        ns,
+        limit: None,
+        plain: None,
+        peers: Vec::new(),
+    }
+}
+
+/// The time of single points in the order of the list.
+fn plain(surface: &SurfaceRef, uv: &[[f64; 2]]) -> f64 {
+    let few = &uv[..uv.len().min(2000)];
+    best(3, few.len(), || {
+        for &uv in few {
+            black_box(surface.point(uv));
+        }
+    })
+}
+
+fn grid(task: &'static str, kind: &str, surface: &SurfaceRef, size: &Size) -> Row {
+    let [u, v] = surface.domain().map(|d| even(d, size.side));
+    let n = u.len() * v.len();
+    let mut out = vec![DVec3::ZERO; n];
+    let ns = best(size.runs, n, || surface.grid(&u, &v, black_box(&mut out)));
+    let limit = Some(write_limit(size.runs, n, 24));
+    let plain = Some(plain(surface, &scattered(surface, 2000)));
+    Row {
+        limit,
+        plain,
+        ..row(task, kind, n, ns)
+    }
+}
+
+fn normals(task: &'static str, kind: &str, surface: &SurfaceRef, size: &Size) -> Row {
+    let [u, v] = surface.domain().map(|d| even(d, size.side));
+    let n = u.len() * v.len();
+    let mut out = vec![[DVec3::ZERO; 2]; n];
+    let ns = best(size.runs, n, || {
+        surface.grid_normals(&u, &v, black_box(&mut out))
+    });
+    Row {
+        limit: Some(write_limit(size.runs, n, 48)),
+        ..row(task, kind, n, ns)
+    }
+}
+
+fn list(task: &'static str, kind: &str, surface: &SurfaceRef, order: usize, size: &Size) -> Row {
+    let uv = scattered(surface, size.list);
+    let mut out = vec![DVec3::ZERO; uv.len() * jet_len(order)];
+    let ns = best(size.runs, uv.len(), || {
+        surface.jets(&uv, order, black_box(&mut out))
+    });
+    let limit = Some(write_limit(size.runs, uv.len(), 24 * jet_len(order)));
+    let plain = (order == 0).then(|| plain(surface, &uv));
+    Row {
+        limit,
+        plain,
+        ..row(task, kind, uv.len(), ns)
+    }
+}
+
+/// The same work by one thread (as `plain`) and by two, for results that fit no cache.
+fn two_threads(surface: &SurfaceRef, size: &Size) -> Vec<Row> {
+    let [u, v] = surface.domain().map(|d| even(d, 4 * size.side));
+    let n = u.len() * v.len();
+    let mut out = vec![DVec3::ZERO; n];
+    let on = |threads: usize, out: &mut Vec<DVec3>| {
+        best(size.runs, n, || {
+            in_parallel(threads, &u, v.len(), black_box(out), |u, out| {
+                surface.grid(u, &v, out)
+            });
+        })
+    };
+    let times = [on(1, &mut out), on(2, &mut out)];
+    let uv = scattered(surface, 2 * size.list);
+    let mut jets = vec![DVec3::ZERO; 3 * uv.len()];
+    let on = |threads: usize, out: &mut Vec<DVec3>| {
+        best(size.runs, uv.len(), || {
+            in_parallel(threads, &uv, 3, black_box(out), |uv, out| {
+                surface.jets(uv, 1, out)
+            });
+        })
+    };
+    let list = [on(1, &mut jets), on(2, &mut jets)];
+    vec![
+        Row {
+            plain: Some(times[0]),
+            ..row("grid", "bicubic, two threads", n, times[1])
+        },
+        Row {
+            plain: Some(list[0]),
+            ..row("list1", "bicubic, two threads", uv.len(), list[1])
+        },
+    ]
+}
+
+fn one_point(surface: &SurfaceRef, size: &Size) -> Row {
+    let uv = scattered(surface, 2000);
+    row(
+        "point",
+        "bicubic, one point",
+        uv.len(),
+        best(size.runs, uv.len(), || {
+            for &uv in &uv {
+                black_box(surface.point(black_box(uv)));
+            }
+        }),
+    )
+}
+
+/// A certified mesh to a thousandth of the diagonal, for each triangle.
+fn triangles(kind: &str, surface: &SurfaceRef) -> Row {
+    let diagonal = surface.bounds(surface.domain()).diagonal();
+    let options = MeshOptions::with_tol(1e-3 * diagonal);
+    let mut triangles = 0;
+    let time = best(2, 1, || {
+        let mesh = mesh::mesh(std::slice::from_ref(surface), &options).unwrap();
+        triangles = mesh.patches[0].triangles.len();
+        black_box(&mesh);
+    });
+    row("mesh", kind, triangles, time / triangles as f64)
+}

@@ -1,0 +1,368 @@
+//! Functions prepared for evaluation at many parameters.
+
+use super::FunctionsRef;
+use crate::breaks::{Break, Breaks, Limit};
+use crate::exact::PiecewiseRational;
+use crate::series::binomial;
+use smallvec::SmallVec;
+
+/// A list of functions in a form that is quick to evaluate at many parameters: polynomials by powers of the distance
+/// from the middle of each piece, everything else as it is.
+///
+/// Values agree with [`Functions::jet_into`](super::Functions::jet_into) within a few units in the last place of the functions' size; not to the
+/// last bit.
+#[derive(Clone, Debug)]
+pub struct Table {
+    parts: Vec<Part>,
+    count: usize,
+}
+
+#[derive(Clone, Debug)]
+enum Part {
+    Powers(Powers),
+    Exact(FunctionsRef),
+}
+
+/// Functions are evaluated by fours: a register of AVX2.
+const QUAD: usize = 4;
+
+/// The highest order of derivative that a table gives.
+pub(crate) const TABLE_ORDER: usize = 2;
+
+impl Table {
+    /// The highest degree that is taken by powers: the coefficients of Bernstein polynomials about the middle of their
+    /// piece sum to at most 2^degree, and so many units in the last place can be lost.
+    pub const MAX_DEGREE: usize = 5;
+
+    /// The largest number of coefficients of a table that is made of all functions over all pieces.
+    const LARGEST: usize = 1 << 20;
+
+    /// The table of a list: its own, or one that evaluates the list as it is.
+    pub(crate) fn new(functions: &FunctionsRef) -> Self {
+        functions.table().unwrap_or_else(|| Self {
+            parts: vec![Part::Exact(functions.clone())],
+            count: functions.count(),
+        })
+    }
+
+    /// The tables of several lists, one after the other.
+    pub(crate) fn stack(lists: &[FunctionsRef]) -> Self {
+        Self {
+            parts: lists.iter().flat_map(|l| Self::new(l).parts).collect(),
+            count: lists.iter().map(|l| l.count()).sum(),
+        }
+    }
+
+    /// From all functions over all pieces.
+    pub(crate) fn from_piecewise(p: &PiecewiseRational) -> Option<Self> {
+        let (count, degree) = (p.count(), p.degree());
+        let width = count + usize::from(p.is_rational());
+        let pieces = p.breaks().pieces();
+        if degree > Self::MAX_DEGREE || pieces * width * (degree + 1) > Self::LARGEST {
+            return None;
+        }
+        let denominators: Vec<_> = (0..pieces).map(|k| p.denominator(k)).collect();
+        let powers = Powers::new(p.breaks(), degree, width, vec![0; pieces], |piece, f| {
+            if f < count {
+                p.numerator(piece, f).to_vec()
+            } else {
+                denominators[piece].clone()
+            }
+        });
+        Some(Self::one(powers, count, p.is_rational()))
+    }
+
+    /// From the functions that are active in each piece, `first` being the index of the first of them, by their
+    /// Bernstein coefficients.
+    pub(crate) fn from_active(
+        breaks: &[Break],
+        degree: usize,
+        first: Vec<usize>,
+        count: usize,
+        bernstein: impl Fn(usize, usize) -> Vec<f64>,
+    ) -> Option<Self> {
+        (degree <= Self::MAX_DEGREE).then(|| {
+            let powers = Powers::new(breaks, degree, degree + 1, first, bernstein);
+            Self::one(powers, count, false)
+        })
+    }
+
+    fn one(mut powers: Powers, count: usize, rational: bool) -> Self {
+        powers.rational = rational;
+        Self {
+            parts: vec![Part::Powers(powers)],
+            count,
+        }
+    }
+
+    /// The polynomial part, if it is the only one and without denominator.
+    pub(crate) fn powers(&self) -> Option<&Powers> {
+        match &self.parts[..] {
+            [Part::Powers(p)] if !p.rational => Some(p),
+            _ => None,
+        }
+    }
+
+    /// Writes derivatives 0 to `ROWS - 1` (at most 2) of the active functions at `t`, row-major by derivative, and
+    /// returns the first of them and their number. `out` has room for all functions.
+    #[inline(always)]
+    pub(crate) fn eval<const ROWS: usize>(&self, t: f64, out: &mut [f64]) -> (usize, usize) {
+        if let [Part::Powers(p)] = &self.parts[..]
+            && !p.rational
+        {
+            let (piece, s) = p.locate(t);
+            p.rows::<ROWS>(piece, s, p.width, out);
+            return (p.first[piece], p.width);
+        }
+        let mut start = 0;
+        for part in &self.parts {
+            start += match part {
+                Part::Powers(p) => p.write::<ROWS>(t, start, self.count, out),
+                Part::Exact(f) => exact::<ROWS>(f, t, start, self.count, out),
+            };
+        }
+        (0, self.count)
+    }
+}
+
+/// Writes all functions of a list, evaluated as they are, into the rows of a longer list; returns their number.
+fn exact<const ROWS: usize>(
+    f: &FunctionsRef,
+    t: f64,
+    start: usize,
+    count: usize,
+    out: &mut [f64],
+) -> usize {
+    let n = f.count();
+    let active = f.active(t, Limit::Above);
+    let mut rows: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, ROWS * active.len());
+    f.jet_into(t, Limit::Above, ROWS - 1, &mut rows);
+    for (k, row) in rows.chunks_exact(active.len()).enumerate() {
+        let o = &mut out[k * count + start..][..n];
+        o.fill(0.0);
+        o[active.clone()].copy_from_slice(row);
+    }
+    n
+}
+
+/// Polynomials over pieces: `f_i(t) = Σ_k c_ki s^k` with `s` from -1 to 1 over the piece.
+#[derive(Clone, Debug)]
+pub(crate) struct Powers {
+    /// The ends of the pieces, infinity for the last: parameters beyond the domain belong to the end pieces.
+    ends: Vec<f64>,
+    /// The piece to start looking from, for equal parts of the domain.
+    buckets: Vec<u32>,
+    lo: f64,
+    per_bucket: f64,
+    /// The middle of each piece, and `ds/dt`.
+    local: Vec<[f64; 2]>,
+    /// The first active function of each piece.
+    pub(crate) first: Vec<usize>,
+    pub(crate) degree: usize,
+    /// The number of active functions.
+    pub(crate) width: usize,
+    /// The number of all functions.
+    total: usize,
+    /// True if the last one divides the others.
+    rational: bool,
+    /// For each piece and each power one number a function, filled up to a multiple of [`QUAD`].
+    coefficients: Vec<f64>,
+}
+
+impl Powers {
+    fn new(
+        breaks: &[Break],
+        degree: usize,
+        width: usize,
+        first: Vec<usize>,
+        bernstein: impl Fn(usize, usize) -> Vec<f64>,
+    ) -> Self {
+        let pieces = breaks.pieces();
+        let domain = breaks.domain();
+        let to_powers = powers_of_bernstein(degree);
+        let padded = width.next_multiple_of(QUAD);
+        let mut coefficients = Vec::with_capacity(pieces * padded * (degree + 1));
+        let mut local = Vec::with_capacity(pieces);
+        for piece in 0..pieces {
+            let range = breaks.piece(piece);
+            local.push([range.mid(), 2.0 / (range.hi - range.lo)]);
+            let all: Vec<_> = (0..width).map(|f| bernstein(piece, f)).collect();
+            for k in 0..=degree {
+                for b in &all {
+                    coefficients.push(b.iter().zip(&to_powers).map(|(b, m)| b * m[k]).sum());
+                }
+                coefficients.resize(coefficients.len() + padded - width, 0.0);
+            }
+        }
+        // Twice as many buckets as pieces: with equal pieces a step or none leads from the bucket to the piece.
+        let count = 2 * pieces;
+        let step = (domain.hi - domain.lo) / count as f64;
+        let buckets = (0..count).map(|i| {
+            // A little before the bucket's start, since a parameter may be rounded into the bucket.
+            let start = domain.lo + (i as f64 - 1e-3) * step;
+            breaks.find(start, Limit::Above) as u32
+        });
+        Self {
+            ends: breaks[1..pieces]
+                .iter()
+                .map(|b| b.at)
+                .chain([f64::INFINITY])
+                .collect(),
+            buckets: buckets.collect(),
+            lo: domain.lo,
+            per_bucket: 1.0 / step,
+            local,
+            total: first.last().map_or(0, |f| f + width),
+            first,
+            degree,
+            width,
+            rational: false,
+            coefficients,
+        }
+    }
+
+    /// The number of pieces.
+    pub(crate) fn pieces(&self) -> usize {
+        self.local.len()
+    }
+
+    /// The piece of a parameter and the parameter in it, from -1 to 1.
+    #[inline(always)]
+    pub(crate) fn locate(&self, t: f64) -> (usize, f64) {
+        // The conversion saturates, and takes NaN to 0.
+        let bucket = ((t - self.lo) * self.per_bucket) as usize;
+        let mut piece = self.buckets[bucket.min(self.buckets.len() - 1)] as usize;
+        // Without a branch, since nothing could predict it.
+        piece += usize::from(self.ends[piece] <= t);
+        if self.ends[piece] <= t && t < f64::INFINITY {
+            piece = self.ends.partition_point(|&b| b <= t);
+        }
+        let [middle, scale] = self.local[piece];
+        (piece, (t - middle) * scale)
+    }
+
+    /// The derivatives 0 to `ROWS - 1` of `N` functions of degree `N - 1`.
+    #[inline(always)]
+    pub(crate) fn square<const N: usize, const ROWS: usize>(
+        &self,
+        piece: usize,
+        s: f64,
+    ) -> [[f64; N]; ROWS] {
+        let mut d = [[0.0; N]; ROWS];
+        const { assert!(N <= QUAD) };
+        let rows = &self.coefficients[piece * N * QUAD..][..N * QUAD];
+        for k in (0..N).rev() {
+            if let Some(c) = rows[k * QUAD..].first_chunk() {
+                step(&mut d, s, c);
+            }
+        }
+        let scale = self.local[piece][1];
+        for i in 0..N {
+            if ROWS > 1 {
+                d[1][i] *= scale;
+            }
+            if ROWS > 2 {
+                d[2][i] *= 2.0 * scale * scale;
+            }
+        }
+        d
+    }
+
+    /// Writes derivatives 0 to `ROWS - 1`, each `stride` after the last.
+    #[inline(always)]
+    fn rows<const ROWS: usize>(&self, piece: usize, s: f64, stride: usize, out: &mut [f64]) {
+        let padded = self.width.next_multiple_of(QUAD);
+        let size = padded * (self.degree + 1);
+        let coefficients = &self.coefficients[piece * size..][..size];
+        let scale = self.local[piece][1];
+        for start in (0..self.width).step_by(QUAD) {
+            let mut d = [[0.0; QUAD]; ROWS];
+            for k in (0..=self.degree).rev() {
+                if let Some(c) = coefficients[k * padded + start..].first_chunk() {
+                    step(&mut d, s, c);
+                }
+            }
+            let mut factor = 1.0;
+            for k in 0..ROWS {
+                let o = &mut out[k * stride + start..];
+                let n = (self.width - start).min(QUAD);
+                for (o, d) in o.iter_mut().zip(&d[k]).take(n) {
+                    *o = d * factor;
+                }
+                factor *= scale * (k + 1) as f64;
+            }
+        }
+    }
+
+    /// Writes all functions into the rows of a longer list and returns their number.
+    #[inline(always)]
+    fn write<const ROWS: usize>(
+        &self,
+        t: f64,
+        start: usize,
+        count: usize,
+        out: &mut [f64],
+    ) -> usize {
+        let (piece, s) = self.locate(t);
+        if !self.rational {
+            for k in 0..ROWS {
+                if self.total > self.width {
+                    out[k * count + start..][..self.total].fill(0.0);
+                }
+            }
+            let at = start + self.first[piece];
+            self.rows::<ROWS>(piece, s, count, &mut out[at..]);
+            return self.total;
+        }
+        let (w, n) = (self.width, self.width - 1);
+        let mut buffer: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, ROWS * w);
+        self.rows::<ROWS>(piece, s, w, &mut buffer);
+        for k in 0..ROWS {
+            for i in 0..n {
+                // The quotient rule; the denominator is the last of a row.
+                let mut x = buffer[k * w + i];
+                for l in 0..k {
+                    let lower = out[l * count + start + i];
+                    x -= binomial(k, l) * lower * buffer[(k - l) * w + n];
+                }
+                out[k * count + start + i] = x / buffer[n];
+            }
+        }
+        n
+    }
+}
+
+/// One step of Horner's scheme for values, first derivatives and halves of second derivatives.
+#[inline(always)]
+fn step<const N: usize, const ROWS: usize>(d: &mut [[f64; N]; ROWS], s: f64, c: &[f64; N]) {
+    for i in 0..N {
+        if ROWS > 2 {
+            d[2][i] = d[2][i] * s + d[1][i];
+        }
+        if ROWS > 1 {
+            d[1][i] = d[1][i] * s + d[0][i];
+        }
+        d[0][i] = d[0][i] * s + c[i];
+    }
+}
+
+/// The coefficients of s^k in every Bernstein polynomial of a degree over -1 … 1: exact.
+fn powers_of_bernstein(degree: usize) -> Vec<Vec<f64>> {
+    let product = |p: &[f64], [a, b]: [f64; 2]| -> Vec<f64> {
+        let mut out = vec![0.0; p.len() + 1];
+        for (k, p) in p.iter().enumerate() {
+            out[k] += a * p;
+            out[k + 1] += b * p;
+        }
+        out
+    };
+    (0..=degree)
+        .map(|j| {
+            let mut p = vec![binomial(degree, j)];
+            for i in 0..degree {
+                p = product(&p, if i < j { [0.5, 0.5] } else { [0.5, -0.5] });
+            }
+            p
+        })
+        .collect()
+}

@@ -1,0 +1,59 @@
+//! What bulk evaluation costs, in evaluations of the sides: a count, so that no clock decides.
+
+#![allow(clippy::unwrap_used, missing_docs)]
+
+use nappe::basis::{Functions, FunctionsRef};
+use nappe::surface::{Core, Separable, Surface};
+use nappe::{Break, DVec3, DVec4, Interval, Limit, UNIT_BREAKS};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// `1, t`, counting how often they are asked for.
+#[derive(Debug, Default)]
+struct Counting(AtomicUsize);
+
+impl Functions for Counting {
+    fn count(&self) -> usize {
+        2
+    }
+    fn breaks(&self) -> &[Break] {
+        &UNIT_BREAKS
+    }
+    fn jet_into(&self, t: f64, _limit: Limit, order: usize, out: &mut [f64]) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        out[..2 * (order + 1)].fill(0.0);
+        (out[0], out[1]) = (1.0, t);
+        if order > 0 {
+            out[3] = 1.0;
+        }
+    }
+    fn enclose_piece(&self, _t: Interval, _limit: Limit, _order: usize, out: &mut [Interval]) {
+        out.fill(Interval::ENTIRE);
+    }
+}
+
+#[test]
+fn a_grid_of_n_by_m_points_asks_each_side_n_and_m_times() {
+    let sides = [Arc::new(Counting::default()), Arc::new(Counting::default())];
+    let [u, v]: [FunctionsRef; 2] = [sides[0].clone(), sides[1].clone()];
+    let net = vec![DVec4::X, DVec4::Y, DVec4::Z, DVec4::ZERO];
+    let s = Separable::polynomial(u, v, Core::Net(net), DVec3::ZERO);
+    let (n, m) = (50, 31);
+    let t = |n: usize| (0..n).map(|i| i as f64 / n as f64).collect::<Vec<_>>();
+    let counts = || [0, 1].map(|k: usize| sides[k].0.swap(0, Ordering::Relaxed));
+    let mut out = vec![DVec3::ZERO; n * m];
+    s.grid(&t(n), &t(m), &mut out);
+    assert_eq!(counts(), [n, m]);
+    let mut out = vec![DVec3::ZERO; 6 * n * m];
+    s.grid_jets(&t(n), &t(m), 2, &mut out);
+    assert_eq!(counts(), [n, m]);
+    let mut out = vec![[DVec3::ZERO; 2]; n * m];
+    s.grid_normals(&t(n), &t(m), &mut out);
+    assert_eq!(counts(), [n, m]);
+    assert_eq!(out[0][0], DVec3::X);
+    let uv = vec![[0.5, 0.25]; 100];
+    let mut out = vec![DVec3::ZERO; 100];
+    s.points(&uv, &mut out);
+    assert_eq!(counts(), [100, 100]);
+    assert_eq!(out[99], DVec3::new(1.0, 0.25, 0.5));
+}
