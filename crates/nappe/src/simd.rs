@@ -48,3 +48,83 @@ lanewise!(Add add +);
 lanewise!(Sub sub -);
 lanewise!(Mul mul *);
 lanewise!(Div div /);
+
+/// Sums of products in registers of four numbers, written so that the compiler cannot take them apart: kernels that
+/// work on one point at a time would otherwise be shuffled to pieces.
+pub(crate) trait Quads: Copy {
+    /// Four numbers.
+    type Quad: Copy;
+    fn load(self, x: [f64; 4]) -> Self::Quad;
+    fn store(self, x: Self::Quad) -> [f64; 4];
+    fn splat(self, x: f64) -> Self::Quad;
+    /// `sum + a b`, rounded twice.
+    fn add_product(self, sum: Self::Quad, a: Self::Quad, b: Self::Quad) -> Self::Quad;
+}
+
+/// Four numbers without special instructions.
+#[derive(Clone, Copy)]
+pub(crate) struct Plain;
+
+impl Quads for Plain {
+    type Quad = [f64; 4];
+    #[inline(always)]
+    fn load(self, x: [f64; 4]) -> [f64; 4] {
+        x
+    }
+    #[inline(always)]
+    fn store(self, x: [f64; 4]) -> [f64; 4] {
+        x
+    }
+    #[inline(always)]
+    fn splat(self, x: f64) -> [f64; 4] {
+        [x; 4]
+    }
+    #[inline(always)]
+    fn add_product(self, s: [f64; 4], a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        [
+            s[0] + a[0] * b[0],
+            s[1] + a[1] * b[1],
+            s[2] + a[2] * b[2],
+            s[3] + a[3] * b[3],
+        ]
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl Quads for pulp::x86::V3 {
+    type Quad = std::arch::x86_64::__m256d;
+    #[inline(always)]
+    fn load(self, x: [f64; 4]) -> Self::Quad {
+        pulp::bytemuck::cast(x)
+    }
+    #[inline(always)]
+    fn store(self, x: Self::Quad) -> [f64; 4] {
+        pulp::bytemuck::cast(x)
+    }
+    #[inline(always)]
+    fn splat(self, x: f64) -> Self::Quad {
+        self.avx._mm256_set1_pd(x)
+    }
+    #[inline(always)]
+    fn add_product(self, sum: Self::Quad, a: Self::Quad, b: Self::Quad) -> Self::Quad {
+        self.avx._mm256_add_pd(sum, self.avx._mm256_mul_pd(a, b))
+    }
+}
+
+/// A computation with [`Quads`] of any kind; `run` must be inlined.
+pub(crate) trait QuadKernel {
+    fn run<Q: Quads>(self, q: Q);
+}
+
+/// Runs a kernel with the registers of the machine.
+pub(crate) fn with_quads(kernel: impl QuadKernel) {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = pulp::x86::V3::try_new() {
+        return pulp::Simd::vectorize(
+            simd,
+            #[inline(always)]
+            || kernel.run(simd),
+        );
+    }
+    kernel.run(Plain);
+}
