@@ -4,7 +4,7 @@ use super::FunctionsRef;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::exact::PiecewiseRational;
 use crate::series::binomial;
-use crate::simd::Quads;
+use crate::simd::{QUAD, Quads};
 use smallvec::SmallVec;
 
 /// A list of functions in a form that is quick to evaluate at many parameters: polynomials by powers of the distance
@@ -23,9 +23,6 @@ enum Part {
     Powers(Powers),
     Exact(FunctionsRef),
 }
-
-/// Functions are evaluated by fours: a register of AVX2.
-const QUAD: usize = 4;
 
 /// The highest order of derivative that a table gives.
 pub(crate) const TABLE_ORDER: usize = 2;
