@@ -122,18 +122,21 @@ def run_geomdl():
 def run_occt():
     from OCP.Geom import Geom_BSplineSurface
     from OCP.gp import gp_Pnt, gp_Vec
-    from OCP.TColgp import TColgp_Array2OfPnt
-    from OCP.TColStd import TColStd_Array1OfInteger, TColStd_Array1OfReal
+    try:  # version 8 and later
+        from OCP.collections import Array1_double, Array1_int, Array2_gp_Pnt
+    except ImportError:
+        from OCP.TColgp import TColgp_Array2OfPnt as Array2_gp_Pnt
+        from OCP.TColStd import TColStd_Array1OfInteger as Array1_int, TColStd_Array1OfReal as Array1_double
 
     s = load("bicubic")
-    poles = TColgp_Array2OfPnt(1, 20, 1, 20)
+    poles = Array2_gp_Pnt(1, 20, 1, 20)
     for i, row in enumerate(s["points"]):
         for j, p in enumerate(row):
             poles.SetValue(i + 1, j + 1, gp_Pnt(*p))
 
     def knots(all_knots):
         distinct = sorted(set(all_knots))
-        values, counts = TColStd_Array1OfReal(1, len(distinct)), TColStd_Array1OfInteger(1, len(distinct))
+        values, counts = Array1_double(1, len(distinct)), Array1_int(1, len(distinct))
         for i, k in enumerate(distinct):
             values.SetValue(i + 1, k)
             counts.SetValue(i + 1, all_knots.count(k))

@@ -54,18 +54,10 @@ impl Target {
             }
             Target::Surface(_, s) => {
                 let (uv, _) = parameters.as_chunks::<2>();
-                if order > 0 {
-                    let mut jet = vec![DVec3::ZERO; jet_len(order)];
-                    for &uv in uv {
-                        s.jet_into(uv, [Limit::Above; 2], order, &mut jet);
-                        put(&jet);
-                    }
-                    return;
-                }
-                let mut points = vec![DVec3::ZERO; uv.len()];
+                let mut points = vec![DVec3::ZERO; uv.len() * jet_len(order)];
                 match grid {
-                    Some([u, v]) => s.grid(u, v, &mut points),
-                    None => s.points(uv, &mut points),
+                    Some([u, v]) => s.grid_jets(u, v, order, &mut points),
+                    None => s.jets(uv, order, &mut points),
                 }
                 put(&points);
             }

@@ -24,7 +24,7 @@ const BOUNDS: &str = "
 ## What bounds each row
 
 * **T1, T4, grid**: writing to memory, once the grid has some hundred columns. The sides are evaluated n + m times; what
-  remains is one short sum of products a point, eight columns at a time. Kinds made of curves pay n + m evaluations of
+  remains is one short sum of products a point, four columns at a time. Kinds made of curves pay n + m evaluations of
   these curves by the exact path.
 * **T2, normal**: the arithmetic: two tangents, a cross product, a square root and a division a point.
 * **T3, T3b, list, list1**: the arithmetic of one point after the other: finding the piece, the sides by powers about the

@@ -1,6 +1,6 @@
 //! B-spline basis functions; Bernstein polynomials are the case without inner knots.
 
-use super::{Functions, Table};
+use super::{Functions, Table, room};
 use crate::breaks::{Break, Breaks, Limit};
 use crate::exact::PiecewiseRational;
 use crate::interval::Interval;
@@ -213,7 +213,8 @@ impl BSplineBasis {
         let k = |i: usize| S::from(self.knots[i]);
         // N_{span-q} … N_span of degree q, one row after the other: row q starts at q (q+1)/2.
         let row = |q: usize| q * (q + 1) / 2;
-        let mut rows: SmallVec<[S; 28]> = SmallVec::from_elem(S::ONE, row(p + 1));
+        let (mut stack, mut heap) = ([S::ONE; 28], Vec::new());
+        let rows = room(&mut stack, &mut heap, row(p + 1), S::ONE);
         for q in 1..=p {
             let (below, this) = rows.split_at_mut(row(q));
             let below = &below[row(q - 1)..];

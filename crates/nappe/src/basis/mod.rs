@@ -222,3 +222,19 @@ pub use table::Table;
 pub(crate) use table::{Powers, TABLE_ORDER};
 pub use trigonometric::{Trigonometric, TrigonometricError};
 pub use turn::Turn;
+
+/// Room for `n` items of `zero`: on the stack if it is enough, else on the heap.
+#[inline(always)]
+pub(crate) fn room<'a, T: Copy>(
+    stack: &'a mut [T],
+    heap: &'a mut Vec<T>,
+    n: usize,
+    zero: T,
+) -> &'a mut [T] {
+    if n <= stack.len() {
+        &mut stack[..n]
+    } else {
+        heap.resize(n, zero);
+        heap
+    }
+}

@@ -4,6 +4,7 @@ use super::FunctionsRef;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::exact::PiecewiseRational;
 use crate::series::binomial;
+use crate::simd::{QUAD, Quads};
 use smallvec::SmallVec;
 
 /// A list of functions in a form that is quick to evaluate at many parameters: polynomials by powers of the distance
@@ -22,9 +23,6 @@ enum Part {
     Powers(Powers),
     Exact(FunctionsRef),
 }
-
-/// Functions are evaluated by fours: a register of AVX2.
-const QUAD: usize = 4;
 
 /// The highest order of derivative that a table gives.
 pub(crate) const TABLE_ORDER: usize = 2;
@@ -106,18 +104,23 @@ impl Table {
     /// Writes derivatives 0 to `ROWS - 1` (at most 2) of the active functions at `t`, row-major by derivative, and
     /// returns the first of them and their number. `out` has room for all functions.
     #[inline(always)]
-    pub(crate) fn eval<const ROWS: usize>(&self, t: f64, out: &mut [f64]) -> (usize, usize) {
+    pub(crate) fn eval<Q: Quads, const ROWS: usize>(
+        &self,
+        q: Q,
+        t: f64,
+        out: &mut [f64],
+    ) -> (usize, usize) {
         if let [Part::Powers(p)] = &self.parts[..]
             && !p.rational
         {
             let (piece, s) = p.locate(t);
-            p.rows::<ROWS>(piece, s, p.width, out);
+            p.rows::<Q, ROWS>(q, piece, s, p.width, out);
             return (p.first[piece], p.width);
         }
         let mut start = 0;
         for part in &self.parts {
             start += match part {
-                Part::Powers(p) => p.write::<ROWS>(t, start, self.count, out),
+                Part::Powers(p) => p.write::<Q, ROWS>(q, t, start, self.count, out),
                 Part::Exact(f) => exact::<ROWS>(f, t, start, self.count, out),
             };
         }
@@ -165,7 +168,7 @@ pub(crate) struct Powers {
     total: usize,
     /// True if the last one divides the others.
     rational: bool,
-    /// For each piece and each power one number a function, filled up to a multiple of [`QUAD`].
+    /// For each piece, for each [`QUAD`] functions (filled up), for each power one number a function.
     coefficients: Vec<f64>,
 }
 
@@ -187,11 +190,14 @@ impl Powers {
             let range = breaks.piece(piece);
             local.push([range.mid(), 2.0 / (range.hi - range.lo)]);
             let all: Vec<_> = (0..width).map(|f| bernstein(piece, f)).collect();
-            for k in 0..=degree {
-                for b in &all {
-                    coefficients.push(b.iter().zip(&to_powers).map(|(b, m)| b * m[k]).sum());
+            for four in all.chunks(QUAD) {
+                for k in 0..=degree {
+                    let mut row = [0.0; QUAD];
+                    for (c, b) in row.iter_mut().zip(four) {
+                        *c = b.iter().zip(&to_powers).map(|(b, m)| b * m[k]).sum();
+                    }
+                    coefficients.extend(row);
                 }
-                coefficients.resize(coefficients.len() + padded - width, 0.0);
             }
         }
         // Twice as many buckets as pieces: with equal pieces a step or none leads from the bucket to the piece.
@@ -241,63 +247,51 @@ impl Powers {
         (piece, (t - middle) * scale)
     }
 
-    /// The derivatives 0 to `ROWS - 1` of `N` functions of degree `N - 1`.
+    /// The derivatives 0 to `ROWS - 1` of at most [`QUAD`] active functions.
     #[inline(always)]
-    pub(crate) fn square<const N: usize, const ROWS: usize>(
+    pub(crate) fn four<Q: Quads, const N: usize, const ROWS: usize>(
         &self,
+        q: Q,
         piece: usize,
         s: f64,
-    ) -> [[f64; N]; ROWS] {
-        let mut d = [[0.0; N]; ROWS];
+    ) -> [[f64; QUAD]; ROWS] {
         const { assert!(N <= QUAD) };
-        let rows = &self.coefficients[piece * N * QUAD..][..N * QUAD];
-        for k in (0..N).rev() {
-            if let Some(c) = rows[k * QUAD..].first_chunk() {
-                step(&mut d, s, c);
-            }
-        }
-        let scale = self.local[piece][1];
-        for i in 0..N {
-            if ROWS > 1 {
-                d[1][i] *= scale;
-            }
-            if ROWS > 2 {
-                d[2][i] *= 2.0 * scale * scale;
-            }
-        }
-        d
+        let c = &self.coefficients[piece * N * QUAD..][..N * QUAD];
+        horner(q, c.as_chunks().0, s, self.local[piece][1])
     }
 
     /// Writes derivatives 0 to `ROWS - 1`, each `stride` after the last.
     #[inline(always)]
-    fn rows<const ROWS: usize>(&self, piece: usize, s: f64, stride: usize, out: &mut [f64]) {
-        let padded = self.width.next_multiple_of(QUAD);
-        let size = padded * (self.degree + 1);
-        let coefficients = &self.coefficients[piece * size..][..size];
-        let scale = self.local[piece][1];
-        for start in (0..self.width).step_by(QUAD) {
-            let mut d = [[0.0; QUAD]; ROWS];
-            for k in (0..=self.degree).rev() {
-                if let Some(c) = coefficients[k * padded + start..].first_chunk() {
-                    step(&mut d, s, c);
-                }
-            }
-            let mut factor = 1.0;
-            for k in 0..ROWS {
-                let o = &mut out[k * stride + start..];
+    fn rows<Q: Quads, const ROWS: usize>(
+        &self,
+        q: Q,
+        piece: usize,
+        s: f64,
+        stride: usize,
+        out: &mut [f64],
+    ) {
+        let powers = self.degree + 1;
+        let size = self.width.next_multiple_of(QUAD) * powers;
+        let c = &self.coefficients[piece * size..][..size];
+        // Four functions at a time; all their coefficients stand together.
+        let fours = c.as_chunks().0.chunks_exact(powers);
+        for (start, c) in (0..self.width).step_by(QUAD).zip(fours) {
+            let d: [_; ROWS] = horner(q, c, s, self.local[piece][1]);
+            for (k, d) in d.iter().enumerate() {
                 let n = (self.width - start).min(QUAD);
-                for (o, d) in o.iter_mut().zip(&d[k]).take(n) {
-                    *o = d * factor;
+                let o = &mut out[k * stride + start..][..n];
+                for (o, d) in o.iter_mut().zip(d) {
+                    *o = *d;
                 }
-                factor *= scale * (k + 1) as f64;
             }
         }
     }
 
     /// Writes all functions into the rows of a longer list and returns their number.
     #[inline(always)]
-    fn write<const ROWS: usize>(
+    fn write<Q: Quads, const ROWS: usize>(
         &self,
+        q: Q,
         t: f64,
         start: usize,
         count: usize,
@@ -311,12 +305,12 @@ impl Powers {
                 }
             }
             let at = start + self.first[piece];
-            self.rows::<ROWS>(piece, s, count, &mut out[at..]);
+            self.rows::<Q, ROWS>(q, piece, s, count, &mut out[at..]);
             return self.total;
         }
         let (w, n) = (self.width, self.width - 1);
         let mut buffer: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, ROWS * w);
-        self.rows::<ROWS>(piece, s, w, &mut buffer);
+        self.rows::<Q, ROWS>(q, piece, s, w, &mut buffer);
         for k in 0..ROWS {
             for i in 0..n {
                 // The quotient rule; the denominator is the last of a row.
@@ -332,18 +326,31 @@ impl Powers {
     }
 }
 
-/// One step of Horner's scheme for values, first derivatives and halves of second derivatives.
+/// Derivatives 0 to `ROWS - 1` (at most 2) of four polynomials by Horner's scheme, from their coefficients of powers of
+/// s, lowest first, and `ds/dt`.
 #[inline(always)]
-fn step<const N: usize, const ROWS: usize>(d: &mut [[f64; N]; ROWS], s: f64, c: &[f64; N]) {
-    for i in 0..N {
-        if ROWS > 2 {
-            d[2][i] = d[2][i] * s + d[1][i];
+fn horner<Q: Quads, const ROWS: usize>(
+    q: Q,
+    coefficients: &[[f64; QUAD]],
+    s: f64,
+    scale: f64,
+) -> [[f64; QUAD]; ROWS] {
+    let (zero, s) = (q.splat(0.0), q.splat(s));
+    let mut d = [zero; ROWS];
+    for c in coefficients.iter().rev() {
+        // Values, first derivatives, halves of second derivatives.
+        for k in (1..ROWS).rev() {
+            d[k] = q.add_product(d[k - 1], d[k], s);
         }
-        if ROWS > 1 {
-            d[1][i] = d[1][i] * s + d[0][i];
-        }
-        d[0][i] = d[0][i] * s + c[i];
+        d[0] = q.add_product(q.load(*c), d[0], s);
     }
+    let mut out = [[0.0; QUAD]; ROWS];
+    let mut factor = 1.0;
+    for k in 0..ROWS {
+        out[k] = q.store(q.add_product(zero, d[k], q.splat(factor)));
+        factor *= scale * (k + 1) as f64;
+    }
+    out
 }
 
 /// The coefficients of s^k in every Bernstein polynomial of a degree over -1 … 1: exact.

@@ -1,14 +1,14 @@
 //! Grids of separable surfaces: n + m evaluations of the sides and one small matrix product.
 //!
-//! For each row (one u) the core is collapsed to a short list of vectors; then [`LANES`] neighbouring columns at a time
+//! For each row (one u) the core is collapsed to a short list of vectors; then [`QUAD`] neighbouring columns at a time
 //! take their products with the functions of v. The operations of a point are those of
 //! [`Surface::jet`] in the same order, so the result is the same to the last bit, with every instruction set.
 
 use super::normal::is_plain;
 use super::quotient::quotient;
-use super::{Core, Dir, Separable, Surface, normal_at};
+use super::{Core, Dir, Separable, Surface, jet_index, normal_at};
 use crate::breaks::{Breaks, Limit};
-use crate::simd::{LANES, Lanes, widest};
+use crate::simd::{Lanes, QUAD, QuadKernel, Quads, with_quads};
 use glam::{DVec3, DVec4};
 use smallvec::SmallVec;
 use std::ops::Range;
@@ -46,14 +46,14 @@ impl Columns {
         while start < v.len() {
             let range = active[start].clone();
             let (n, at) = (range.len(), values.len());
-            let same = active[start..].iter().take(LANES);
+            let same = active[start..].iter().take(QUAD);
             let end = start + same.take_while(|a| **a == range).count();
-            values.resize(at + (order + 1) * n * LANES, 0.0);
+            values.resize(at + (order + 1) * n * QUAD, 0.0);
             buffer.resize((order + 1) * n, 0.0);
             for (lane, &v) in v[start..end].iter().enumerate() {
                 functions.jet_into(v, Limit::Above, order, &mut buffer);
                 for (k, &x) in buffer.iter().enumerate() {
-                    values[at + k * LANES + lane] = x;
+                    values[at + k * QUAD + lane] = x;
                 }
             }
             blocks.push(Block {
@@ -85,14 +85,15 @@ fn used(surface: &Separable) -> Option<[Vec<usize>; 4]> {
     }))
 }
 
-/// Evaluates a grid with derivatives up to `ORDER` and hands on [`LANES`] points at a time: the row, the columns and
+/// Evaluates a grid with derivatives up to `ORDER` and hands on [`QUAD`] points at a time: the row, the columns and
 /// the derivatives (without the surface's origin).
 #[inline(always)]
-fn evaluate<const ORDER: usize, const JET: usize>(
+fn evaluate<Q: Quads, const ORDER: usize, const JET: usize>(
+    quads: Q,
     surface: &Separable,
     u: &[f64],
     v: &[f64],
-    mut put: impl FnMut(usize, Range<usize>, &[[Lanes; 3]; JET]),
+    mut put: impl FnMut(usize, Range<usize>, &[[Lanes<Q>; 3]; JET]),
 ) {
     let count = surface.functions_v().count();
     let (used, rational) = (used(surface), surface.is_rational());
@@ -108,32 +109,36 @@ fn evaluate<const ORDER: usize, const JET: usize>(
                 .functions_u()
                 .jet_into(u, Limit::Above, ORDER, &mut a);
             match surface.core() {
-                Core::Net(net) => collapse_net(&a, &net[active.start * count..], count, &mut k),
+                Core::Net(net) => {
+                    collapse_net(&a, &net[active.start * count..], count, 0..count, &mut k)
+                }
                 Core::Terms(_) => {
                     surface.collapse(&a, [active, 0..count], None, false, &mut k);
                 }
             }
             for b in &columns.blocks {
-                let values = &columns.values[b.at..][..(ORDER + 1) * b.active.len() * LANES];
-                let mut h = [[Lanes::ZERO; 4]; JET];
+                let values = &columns.values[b.at..][..(ORDER + 1) * b.active.len() * QUAD];
+                let zero = Lanes::splat(quads, 0.0);
+                let mut h = [[zero; 4]; JET];
                 for p in 0..=ORDER {
                     let k = &k[p * count..][b.active.clone()];
                     for q in 0..=ORDER - p {
-                        let f = &values[q * b.active.len() * LANES..][..b.active.len() * LANES];
-                        let h = &mut h[(p + q) * (p + q + 1) / 2 + q];
+                        let f = &values[q * b.active.len() * QUAD..][..b.active.len() * QUAD];
+                        let f = f.as_chunks::<QUAD>().0;
+                        let h = &mut h[jet_index(p, q)];
                         match (&used, rational) {
-                            (None, false) => product::<3>(f, k, h),
-                            (None, true) => product::<4>(f, k, h),
-                            (Some(used), _) => sparse(f, k, used, b.active.start, h),
+                            (None, false) => product::<Q, 3>(quads, f, k, h),
+                            (None, true) => product::<Q, 4>(quads, f, k, h),
+                            (Some(used), _) => sparse(quads, f, k, used, b.active.start, h),
                         }
                     }
                 }
-                let mut r = [[Lanes::ZERO; 3]; JET];
+                let mut r = [[zero; 3]; JET];
                 if rational {
                     r = quotient(&h);
                 } else {
-                    for (r, h) in r.iter_mut().zip(&h) {
-                        r.copy_from_slice(&h[..3]);
+                    for k in 0..JET {
+                        r[k] = [h[k][0], h[k][1], h[k][2]];
                     }
                 }
                 let at = tile * COLUMNS;
@@ -143,15 +148,22 @@ fn evaluate<const ORDER: usize, const JET: usize>(
     }
 }
 
-/// `K_j⁽ᵖ⁾ = Σ_i a_i⁽ᵖ⁾ C_ij` for all j, of a net that starts with the first active row.
+/// `K_j⁽ᵖ⁾ = Σ_i a_i⁽ᵖ⁾ C_ij` for some columns j, of a net that starts with the first active row and has rows of
+/// `count` points.
 #[inline(always)]
-fn collapse_net(a: &[f64], net: &[DVec4], count: usize, k: &mut [[f64; 4]]) {
-    let orders = k.len() / count;
-    let n = a.len() / orders;
-    for (k, a) in k.chunks_exact_mut(count).zip(a.chunks_exact(n)) {
+pub(super) fn collapse_net(
+    a: &[f64],
+    net: &[DVec4],
+    count: usize,
+    columns: Range<usize>,
+    k: &mut [[f64; 4]],
+) {
+    let wide = columns.len();
+    let n = a.len() / (k.len() / wide);
+    for (k, a) in k.chunks_exact_mut(wide).zip(a.chunks_exact(n)) {
         k.fill([0.0; 4]);
         for (&a, row) in a.iter().zip(net.chunks_exact(count)) {
-            for (k, c) in k.iter_mut().zip(row) {
+            for (k, c) in k.iter_mut().zip(&row[columns.clone()]) {
                 *k = [
                     k[0] + a * c.x,
                     k[1] + a * c.y,
@@ -165,105 +177,175 @@ fn collapse_net(a: &[f64], net: &[DVec4], count: usize, k: &mut [[f64; 4]]) {
 
 /// `Σ_j b_j K_j` for all lanes, in the first `D` coordinates.
 #[inline(always)]
-fn product<const D: usize>(f: &[f64], k: &[[f64; 4]], h: &mut [Lanes; 4]) {
-    let mut sum = [[0.0; LANES]; D];
-    for (f, k) in f.as_chunks::<LANES>().0.iter().zip(k) {
+fn product<Q: Quads, const D: usize>(
+    q: Q,
+    f: &[[f64; QUAD]],
+    k: &[[f64; 4]],
+    h: &mut [Lanes<Q>; 4],
+) {
+    let mut sum = [q.splat(0.0); D];
+    for (f, k) in f.iter().zip(k) {
+        let f = q.load(*f);
         for c in 0..D {
-            for l in 0..LANES {
-                sum[c][l] += f[l] * k[c];
-            }
+            sum[c] = q.add_product(sum[c], f, q.splat(k[c]));
         }
     }
     for c in 0..D {
-        h[c] = Lanes(sum[c]);
+        h[c] = Lanes(q, sum[c]);
     }
 }
 
 /// The same where each coordinate has its own list of functions.
 #[inline(always)]
-fn sparse(f: &[f64], k: &[[f64; 4]], used: &[Vec<usize>; 4], start: usize, h: &mut [Lanes; 4]) {
-    let f = f.as_chunks::<LANES>().0;
+fn sparse<Q: Quads>(
+    q: Q,
+    f: &[[f64; QUAD]],
+    k: &[[f64; 4]],
+    used: &[Vec<usize>; 4],
+    start: usize,
+    h: &mut [Lanes<Q>; 4],
+) {
     for c in 0..4 {
-        let mut sum = [0.0; LANES];
+        let mut sum = q.splat(0.0);
         for j in &used[c] {
             let j = j.wrapping_sub(start);
             if let (Some(f), Some(k)) = (f.get(j), k.get(j)) {
-                for l in 0..LANES {
-                    sum[l] += f[l] * k[c];
-                }
+                sum = q.add_product(sum, q.load(*f), q.splat(k[c]));
             }
         }
-        h[c] = Lanes(sum);
+        h[c] = Lanes(q, sum);
     }
 }
 
+/// The points in all lanes.
 #[inline(always)]
-fn vector(x: &[Lanes; 3], lane: usize) -> DVec3 {
-    DVec3::new(x[0].0[lane], x[1].0[lane], x[2].0[lane])
+fn points<Q: Quads>(q: Q, x: &[Lanes<Q>; 3]) -> [DVec3; QUAD] {
+    pulp::bytemuck::cast(q.interleave(x[0].1, x[1].1, x[2].1))
 }
 
+/// `x + origin`.
 #[inline(always)]
-fn jet<const JET: usize>(r: &[[Lanes; 3]; JET], lane: usize, origin: DVec3) -> [DVec3; JET] {
-    let mut jet = [DVec3::ZERO; JET];
-    for k in 0..JET {
-        jet[k] = vector(&r[k], lane);
-    }
-    jet[0] += origin;
-    jet
+fn moved<Q: Quads>(q: Q, x: &[Lanes<Q>; 3], origin: DVec3) -> [Lanes<Q>; 3] {
+    [
+        x[0] + Lanes::splat(q, origin.x),
+        x[1] + Lanes::splat(q, origin.y),
+        x[2] + Lanes::splat(q, origin.z),
+    ]
 }
 
 /// `x · x`, summed as [`DVec3::length_squared`] does.
 #[inline(always)]
-fn square(x: &[Lanes; 3]) -> Lanes {
+fn square<Q: Quads>(x: &[Lanes<Q>; 3]) -> Lanes<Q> {
     x[0] * x[0] + x[1] * x[1] + x[2] * x[2]
 }
 
-/// Writes the derivatives up to `ORDER` of every point of a grid, point by point.
-#[inline(always)]
-fn write<const ORDER: usize, const JET: usize>(
-    surface: &Separable,
-    u: &[f64],
-    v: &[f64],
-    out: &mut [DVec3],
-) {
-    let origin = surface.origin();
-    evaluate::<ORDER, JET>(
-        surface,
-        u,
-        v,
-        #[inline(always)]
-        |row, columns, r| {
-            let out = &mut out[(row * v.len() + columns.start) * JET..][..columns.len() * JET];
-            let out = out.as_chunks_mut::<JET>().0;
-            // Full blocks apart: the compiler then knows the number of lanes.
-            if let Some(full) = out.first_chunk_mut::<LANES>() {
-                for lane in 0..LANES {
-                    full[lane] = jet(r, lane, origin);
+/// A grid to evaluate.
+struct Grid<'a, T> {
+    surface: &'a Separable,
+    u: &'a [f64],
+    v: &'a [f64],
+    out: &'a mut [T],
+}
+
+/// The derivatives up to `ORDER` of every point of a grid, point by point.
+struct Jets<'a, const ORDER: usize, const JET: usize>(Grid<'a, DVec3>);
+
+impl<const ORDER: usize, const JET: usize> QuadKernel for Jets<'_, ORDER, JET> {
+    #[inline(always)]
+    fn run<Q: Quads>(self, q: Q) {
+        let Grid { surface, u, v, out } = self.0;
+        let origin = surface.origin();
+        let out = out.as_chunks_mut::<JET>().0;
+        evaluate::<Q, ORDER, JET>(
+            q,
+            surface,
+            u,
+            v,
+            #[inline(always)]
+            |row, columns, r| {
+                let out = &mut out[row * v.len() + columns.start..][..columns.len()];
+                let mut jets = [[DVec3::ZERO; JET]; QUAD];
+                for k in 0..JET {
+                    let four = if k == 0 {
+                        points(q, &moved(q, &r[0], origin))
+                    } else {
+                        points(q, &r[k])
+                    };
+                    for lane in 0..QUAD {
+                        jets[lane][k] = four[lane];
+                    }
                 }
-            } else {
-                for (lane, o) in out.iter_mut().enumerate() {
-                    *o = jet(r, lane, origin);
+                // Full blocks apart: the compiler then knows the length.
+                match out.first_chunk_mut::<QUAD>() {
+                    Some(out) => *out = jets,
+                    None => out.copy_from_slice(&jets[..out.len()]),
                 }
-            }
-        },
-    );
+            },
+        );
+    }
 }
 
 /// The derivatives up to an order of at most [`KERNEL_ORDER`] of every point of a grid.
 pub(super) fn jets(surface: &Separable, u: &[f64], v: &[f64], order: usize, out: &mut [DVec3]) {
+    let grid = Grid { surface, u, v, out };
     match order {
-        0 => widest(
+        0 => with_quads(Jets::<0, 1>(grid)),
+        1 => with_quads(Jets::<1, 3>(grid)),
+        _ => with_quads(Jets::<2, 6>(grid)),
+    }
+}
+
+/// Points and unit normals of a grid.
+struct Normals<'a> {
+    grid: Grid<'a, [DVec3; 2]>,
+    /// The widths of the pieces that the parameters lie in; some more for v, since a block may reach beyond the end.
+    widths: [Vec<f64>; 2],
+}
+
+impl QuadKernel for Normals<'_> {
+    #[inline(always)]
+    fn run<Q: Quads>(self, q: Q) {
+        let Grid { surface, u, v, out } = self.grid;
+        let [du, dv] = self.widths;
+        let origin = surface.origin();
+        evaluate::<Q, 1, 3>(
+            q,
+            surface,
+            u,
+            v,
             #[inline(always)]
-            || write::<0, 1>(surface, u, v, out),
-        ),
-        1 => widest(
-            #[inline(always)]
-            || write::<1, 3>(surface, u, v, out),
-        ),
-        _ => widest(
-            #[inline(always)]
-            || write::<2, 6>(surface, u, v, out),
-        ),
+            |row, columns, r| {
+                let dv = dv[columns.start..].first_chunk().unwrap_or(&[0.0; QUAD]);
+                let (du, dv) = (Lanes::splat(q, du[row]), Lanes(q, q.load(*dv)));
+                let at = moved(q, &r[0], origin);
+                let a = [r[1][0] * du, r[1][1] * du, r[1][2] * du];
+                let b = [r[2][0] * dv, r[2][1] * dv, r[2][2] * dv];
+                let n = [
+                    a[1] * b[2] - b[1] * a[2],
+                    a[2] * b[0] - b[2] * a[0],
+                    a[0] * b[1] - b[0] * a[1],
+                ];
+                let (nn, aa, bb, rr) = (square(&n), square(&a), square(&b), square(&at));
+                let inverse = Lanes::splat(q, 1.0) / nn.sqrt();
+                let n = [n[0] * inverse, n[1] * inverse, n[2] * inverse];
+                let (at, n) = (points(q, &at), points(q, &n));
+                let out = &mut out[row * v.len() + columns.start..][..columns.len()];
+                for (o, (at, n)) in out.iter_mut().zip(at.into_iter().zip(n)) {
+                    *o = [at, n];
+                }
+                let (nn, aa, bb, rr) = (nn.store(), aa.store(), bb.store(), rr.store());
+                let mut regular = true;
+                for l in 0..QUAD {
+                    regular &= is_plain(nn[l], aa[l], bb[l], rr[l]) | (l >= columns.len());
+                }
+                if !regular {
+                    for (o, v) in out.iter_mut().zip(&v[columns]) {
+                        let normal = normal_at(surface, [u[row], *v], [Limit::Above; 2]);
+                        o[1] = normal.vector().unwrap_or(DVec3::ZERO);
+                    }
+                }
+            },
+        );
     }
 }
 
@@ -274,66 +356,12 @@ pub(super) fn normals(surface: &Separable, u: &[f64], v: &[f64], out: &mut [[DVe
         let width = |&t: &f64| breaks.piece(breaks.find(t, Limit::Above)).width();
         t.iter().map(width).collect()
     };
-    let (du, mut dv) = (widths(Dir::U, u), widths(Dir::V, v));
-    // A block may reach beyond the last column.
-    dv.resize(v.len() + LANES, 0.0);
-    let origin = surface.origin();
-    let origins = origin.to_array().map(Lanes::from);
-    widest(
-        #[inline(always)]
-        || {
-            evaluate::<1, 3>(
-                surface,
-                u,
-                v,
-                #[inline(always)]
-                |row, columns, r| {
-                    let dv: &[f64; LANES] =
-                        dv[columns.start..].first_chunk().unwrap_or(&[0.0; LANES]);
-                    let (du, dv) = (Lanes::from(du[row]), Lanes(*dv));
-                    let at = [
-                        r[0][0] + origins[0],
-                        r[0][1] + origins[1],
-                        r[0][2] + origins[2],
-                    ];
-                    let a = [r[1][0] * du, r[1][1] * du, r[1][2] * du];
-                    let b = [r[2][0] * dv, r[2][1] * dv, r[2][2] * dv];
-                    let n = [
-                        a[1] * b[2] - b[1] * a[2],
-                        a[2] * b[0] - b[2] * a[0],
-                        a[0] * b[1] - b[0] * a[1],
-                    ];
-                    let (nn, aa, bb, rr) = (square(&n), square(&a), square(&b), square(&at));
-                    let mut inverse = nn;
-                    for x in &mut inverse.0 {
-                        *x = 1.0 / x.sqrt();
-                    }
-                    let n = [n[0] * inverse, n[1] * inverse, n[2] * inverse];
-                    let out = &mut out[row * v.len() + columns.start..][..columns.len()];
-                    if let Some(full) = out.first_chunk_mut::<LANES>() {
-                        for lane in 0..LANES {
-                            full[lane] = [vector(&at, lane), vector(&n, lane)];
-                        }
-                    } else {
-                        for (lane, o) in out.iter_mut().enumerate() {
-                            *o = [vector(&at, lane), vector(&n, lane)];
-                        }
-                    }
-                    let mut regular = true;
-                    for l in 0..LANES {
-                        regular &=
-                            is_plain(nn.0[l], aa.0[l], bb.0[l], rr.0[l]) | (l >= columns.len());
-                    }
-                    if !regular {
-                        for (o, v) in out.iter_mut().zip(&v[columns]) {
-                            let normal = normal_at(surface, [u[row], *v], [Limit::Above; 2]);
-                            o[1] = normal.vector().unwrap_or(DVec3::ZERO);
-                        }
-                    }
-                },
-            );
-        },
-    );
+    let mut widths = [widths(Dir::U, u), widths(Dir::V, v)];
+    widths[1].resize(v.len() + QUAD, 0.0);
+    with_quads(Normals {
+        grid: Grid { surface, u, v, out },
+        widths,
+    });
 }
 
 #[cfg(test)]
@@ -341,6 +369,7 @@ mod tests {
     use super::*;
     use crate::exact::NurbsSurface;
     use crate::laws::Random;
+    use crate::simd::Plain;
 
     fn example(weights: bool) -> Separable {
         let mut random = Random(3);
@@ -360,7 +389,13 @@ mod tests {
         for surface in [example(false), example(true)] {
             let mut out = [(); 2].map(|_| vec![DVec3::ZERO; 6 * 37 * 37]);
             jets(&surface, &t, &t, 2, &mut out[0]);
-            write::<2, 6>(&surface, &t, &t, &mut out[1]);
+            let grid = Grid {
+                surface: &surface,
+                u: &t,
+                v: &t,
+                out: &mut out[1],
+            };
+            Jets::<2, 6>(grid).run(Plain);
             assert_eq!(out[0], out[1]);
         }
     }

@@ -4,7 +4,7 @@
 use super::quotient::quotient;
 use super::{Core, Separable, jet_index, jet_len};
 use crate::basis::{Powers, Table};
-use crate::simd::widest;
+use crate::simd::{QuadKernel, Quads, with_quads};
 use glam::{DVec3, DVec4};
 
 /// A control net above this size (in points, of 32 bytes each) does not stay in the caches near a core: long lists are
@@ -35,7 +35,6 @@ pub(super) fn jets(
                 tables,
                 order,
                 uv,
-                uv.len(),
                 #[inline(always)]
                 |k| sorted[k] as usize,
                 out,
@@ -47,7 +46,6 @@ pub(super) fn jets(
             tables,
             order,
             uv,
-            uv.len(),
             #[inline(always)]
             |k| k,
             out,
@@ -82,104 +80,118 @@ fn choose(
     tables: &[Table; 2],
     order: usize,
     uv: &[[f64; 2]],
-    n: usize,
     index: impl Fn(usize) -> usize,
     out: &mut [DVec3],
 ) {
-    let powers = [0, 1].map(|k| tables[k].powers());
-    if let (Core::Net(net), [Some(u), Some(v)]) = (surface.core(), powers) {
-        let size = |p: &Powers| (p.degree == p.width - 1).then_some(p.width);
-        if size(u) == size(v) {
-            let net = Net {
-                surface,
-                net,
-                sides: [u, v],
-            };
-            macro_rules! kernel {
-                ($n:literal) => {
-                    match order {
-                        0 => widest(
-                            #[inline(always)]
-                            || net.jets::<$n, 1, 1>(uv, n, index, out),
-                        ),
-                        1 => widest(
-                            #[inline(always)]
-                            || net.jets::<$n, 2, 3>(uv, n, index, out),
-                        ),
-                        _ => widest(
-                            #[inline(always)]
-                            || net.jets::<$n, 3, 6>(uv, n, index, out),
-                        ),
-                    }
-                };
-            }
-            match size(u) {
-                Some(2) => return kernel!(2),
-                Some(3) => return kernel!(3),
-                Some(4) => return kernel!(4),
-                _ => {}
-            }
-        }
-    }
+    let task = Task {
+        surface,
+        tables,
+        uv,
+        index,
+        out,
+    };
     match order {
-        0 => widest(
-            #[inline(always)]
-            || any::<1, 1>(surface, tables, uv, n, index, out),
-        ),
-        1 => widest(
-            #[inline(always)]
-            || any::<2, 3>(surface, tables, uv, n, index, out),
-        ),
-        _ => widest(
-            #[inline(always)]
-            || any::<3, 6>(surface, tables, uv, n, index, out),
-        ),
+        0 => task.choose::<1, 1>(),
+        1 => task.choose::<2, 3>(),
+        _ => task.choose::<3, 6>(),
     }
 }
 
-/// Any sides and any core.
-#[inline(always)]
-fn any<const ROWS: usize, const JET: usize>(
-    surface: &Separable,
-    tables: &[Table; 2],
-    uv: &[[f64; 2]],
-    n: usize,
-    index: impl Fn(usize) -> usize,
-    out: &mut [DVec3],
-) {
-    let (nu, nv) = (surface.functions_u().count(), surface.functions_v().count());
-    let mut a = vec![0.0; ROWS * nu];
-    let mut b = vec![0.0; ROWS * nv];
-    for k in 0..n {
-        let at = index(k);
-        let [u, v] = uv[at];
-        let (first_u, wide_u) = tables[0].eval::<ROWS>(u, &mut a);
-        let (first_v, wide_v) = tables[1].eval::<ROWS>(v, &mut b);
-        let mut h = [[0.0; 4]; JET];
-        let factors = Factors {
-            a: &a,
-            b: &b,
-            wide: [wide_u, wide_v],
-        };
-        match surface.core() {
-            Core::Net(net) => {
-                for i in 0..wide_u {
-                    let row = &net[(first_u + i) * nv + first_v..][..wide_v];
-                    for (j, c) in row.iter().enumerate() {
-                        factors.add(i, j, c, &mut h);
-                    }
+/// A list to evaluate: `index(k)` is the k-th point to take.
+struct Task<'a, I> {
+    surface: &'a Separable,
+    tables: &'a [Table; 2],
+    uv: &'a [[f64; 2]],
+    index: I,
+    out: &'a mut [DVec3],
+}
+
+impl<'a, I: Fn(usize) -> usize> Task<'a, I> {
+    fn choose<const ROWS: usize, const JET: usize>(self) {
+        let powers = [0, 1].map(|k| self.tables[k].powers());
+        if let (Core::Net(net), [Some(u), Some(v)]) = (self.surface.core(), powers)
+            && [u.degree + 1, u.width, v.degree + 1] == [v.width; 3]
+        {
+            let sides = [u, v];
+            match v.width {
+                2 => {
+                    return with_quads(Net::<_, 2, ROWS, JET> {
+                        task: self,
+                        net,
+                        sides,
+                    });
                 }
-            }
-            Core::Terms(terms) => {
-                let (whole_u, whole_v) = (first_u..first_u + wide_u, first_v..first_v + wide_v);
-                for t in terms {
-                    if whole_u.contains(&t.i) && whole_v.contains(&t.j) {
-                        factors.add(t.i - first_u, t.j - first_v, &t.c, &mut h);
-                    }
+                3 => {
+                    return with_quads(Net::<_, 3, ROWS, JET> {
+                        task: self,
+                        net,
+                        sides,
+                    });
                 }
+                4 => {
+                    return with_quads(Net::<_, 4, ROWS, JET> {
+                        task: self,
+                        net,
+                        sides,
+                    });
+                }
+                _ => {}
             }
         }
-        put(surface, &h, out, at);
+        with_quads(Any::<_, ROWS, JET>(self));
+    }
+}
+
+/// Any sides and any core; `ROWS - 1` is the order of derivatives.
+struct Any<'a, I, const ROWS: usize, const JET: usize>(Task<'a, I>);
+
+impl<I: Fn(usize) -> usize, const ROWS: usize, const JET: usize> QuadKernel
+    for Any<'_, I, ROWS, JET>
+{
+    #[inline(always)]
+    fn run<Q: Quads>(self, q: Q) {
+        let Task {
+            surface,
+            tables,
+            uv,
+            index,
+            out,
+        } = self.0;
+        let (nu, nv) = (surface.functions_u().count(), surface.functions_v().count());
+        let mut a = vec![0.0; ROWS * nu];
+        let mut b = vec![0.0; ROWS * nv];
+        for k in 0..uv.len() {
+            let at = index(k);
+            let [u, v] = uv[at];
+            let (first_u, wide_u) = tables[0].eval::<Q, ROWS>(q, u, &mut a);
+            let (first_v, wide_v) = tables[1].eval::<Q, ROWS>(q, v, &mut b);
+            let factors = Factors {
+                a: &a,
+                b: &b,
+                wide: [wide_u, wide_v],
+            };
+            let mut h = [q.splat(0.0); JET];
+            match surface.core() {
+                Core::Net(net) => {
+                    for i in 0..wide_u {
+                        let row = &net[(first_u + i) * nv + first_v..][..wide_v];
+                        for (j, c) in row.iter().enumerate() {
+                            factors.add::<Q, ROWS, JET>(q, i, j, c, &mut h);
+                        }
+                    }
+                }
+                Core::Terms(terms) => {
+                    let whole = [first_u..first_u + wide_u, first_v..first_v + wide_v];
+                    for t in terms {
+                        if whole[0].contains(&t.i) && whole[1].contains(&t.j) {
+                            let (i, j) = (t.i - first_u, t.j - first_v);
+                            factors.add::<Q, ROWS, JET>(q, i, j, &t.c, &mut h);
+                        }
+                    }
+                }
+            }
+            put(q, surface, &h, out, at);
+        }
     }
 }
 
@@ -193,92 +205,95 @@ struct Factors<'a> {
 impl Factors<'_> {
     /// Adds a term to all derivatives.
     #[inline(always)]
-    fn add<const JET: usize>(&self, i: usize, j: usize, c: &DVec4, h: &mut [[f64; 4]; JET]) {
-        let order = [0, 0, 1, 1, 1, 2, 2][JET];
-        for p in 0..=order {
-            for q in 0..=order - p {
+    fn add<Q: Quads, const ROWS: usize, const JET: usize>(
+        &self,
+        quads: Q,
+        i: usize,
+        j: usize,
+        c: &DVec4,
+        h: &mut [Q::Quad; JET],
+    ) {
+        let c = quads.load(c.to_array());
+        for p in 0..ROWS {
+            for q in 0..ROWS - p {
                 let f = self.a[p * self.wide[0] + i] * self.b[q * self.wide[1] + j];
-                accumulate(&mut h[jet_index(p, q)], f, c);
+                let h = &mut h[jet_index(p, q)];
+                *h = quads.add_product(*h, quads.splat(f), c);
             }
         }
     }
 }
 
-#[inline(always)]
-fn accumulate(h: &mut [f64; 4], f: f64, c: &DVec4) {
-    *h = [
-        h[0] + f * c.x,
-        h[1] + f * c.y,
-        h[2] + f * c.z,
-        h[3] + f * c.w,
-    ];
-}
-
 /// Divides if need be and writes one point of a list.
 #[inline(always)]
-fn put<const JET: usize>(surface: &Separable, h: &[[f64; 4]; JET], out: &mut [DVec3], at: usize) {
+fn put<Q: Quads, const JET: usize>(
+    q: Q,
+    surface: &Separable,
+    h: &[Q::Quad; JET],
+    out: &mut [DVec3],
+    at: usize,
+) {
     let Some(out) = out.as_chunks_mut::<JET>().0.get_mut(at) else {
         return;
     };
+    let mut numbers = [[0.0; 4]; JET];
+    for k in 0..JET {
+        numbers[k] = q.store(h[k]);
+    }
     if surface.is_rational() {
-        let r = quotient(h);
+        let r = quotient(&numbers);
         for k in 0..JET {
             out[k] = DVec3::from_array(r[k]);
         }
     } else {
         for k in 0..JET {
-            out[k] = DVec3::new(h[k][0], h[k][1], h[k][2]);
+            let [x, y, z, _] = numbers[k];
+            out[k] = DVec3::new(x, y, z);
         }
     }
     out[0] += surface.origin();
 }
 
-/// A net with spline sides.
-struct Net<'a> {
-    surface: &'a Separable,
+/// A net with spline sides of `N` active functions of degree `N - 1`; `ROWS - 1` is the order of derivatives.
+struct Net<'a, I, const N: usize, const ROWS: usize, const JET: usize> {
+    task: Task<'a, I>,
     net: &'a [DVec4],
     sides: [&'a Powers; 2],
 }
 
-impl Net<'_> {
-    /// `N` active functions of degree `N - 1` in both directions, `ROWS - 1` the order.
+impl<I: Fn(usize) -> usize, const N: usize, const ROWS: usize, const JET: usize> QuadKernel
+    for Net<'_, I, N, ROWS, JET>
+{
     #[inline(always)]
-    fn jets<const N: usize, const ROWS: usize, const JET: usize>(
-        &self,
-        uv: &[[f64; 2]],
-        n: usize,
-        index: impl Fn(usize) -> usize,
-        out: &mut [DVec3],
-    ) {
-        let [u, v] = self.sides;
-        let columns = self.surface.functions_v().count();
-        for k in 0..n {
-            let at = index(k);
-            let (pu, s) = u.locate(uv[at][0]);
-            let (pv, t) = v.locate(uv[at][1]);
-            let a: [[f64; N]; ROWS] = u.square(pu, s);
-            let b: [[f64; N]; ROWS] = v.square(pv, t);
+    fn run<Q: Quads>(self, quads: Q) {
+        let ([u, v], task) = (self.sides, self.task);
+        let columns = task.surface.functions_v().count();
+        for k in 0..task.uv.len() {
+            let at = (task.index)(k);
+            let [x, y] = task.uv[at];
+            let (pu, s) = u.locate(x);
+            let (pv, t) = v.locate(y);
+            let a = u.four::<Q, N, ROWS>(quads, pu, s);
+            let b = v.four::<Q, N, ROWS>(quads, pv, t);
             let start = u.first[pu] * columns + v.first[pv];
             let net = &self.net[start..][..(N - 1) * columns + N];
-            let mut h = [[0.0; 4]; JET];
+            let mut h = [quads.splat(0.0); JET];
             for j in 0..N {
-                let mut column = [[0.0; 4]; ROWS];
+                let mut column = [quads.splat(0.0); ROWS];
                 for i in 0..N {
-                    let c = &net[i * columns + j];
+                    let c = quads.load(net[i * columns + j].to_array());
                     for p in 0..ROWS {
-                        accumulate(&mut column[p], a[p][i], c);
+                        column[p] = quads.add_product(column[p], quads.splat(a[p][i]), c);
                     }
                 }
                 for p in 0..ROWS {
                     for q in 0..ROWS - p {
                         let h = &mut h[jet_index(p, q)];
-                        for x in 0..4 {
-                            h[x] += b[q][j] * column[p][x];
-                        }
+                        *h = quads.add_product(*h, quads.splat(b[q][j]), column[p]);
                     }
                 }
             }
-            put(self.surface, &h, out, at);
+            put(quads, task.surface, &h, task.out, at);
         }
     }
 }
@@ -289,6 +304,7 @@ mod tests {
     use crate::basis::BSplineBasis;
     use crate::exact::NurbsSurface;
     use crate::laws::Random;
+    use crate::simd::Plain;
     use crate::surface::Surface;
 
     fn example(points: usize) -> NurbsSurface {
@@ -307,23 +323,40 @@ mod tests {
         let tables = [s.functions_u(), s.functions_v()].map(Table::new);
         let mut random = Random(8);
         let uv: Vec<[f64; 2]> = (0..99).map(|_| [random.unit(), random.unit()]).collect();
-        let mut out = [(); 3].map(|()| vec![DVec3::ZERO; 6 * uv.len()]);
-        jets(s, &tables, &uv, 2, &mut out[0]);
         let Core::Net(net) = s.core() else {
             panic!("a spline has a net")
         };
         let [Some(u), Some(v)] = [0, 1].map(|k| tables[k].powers()) else {
             panic!("cubics are taken by powers")
         };
-        let net = Net {
-            surface: s,
+        let mut out = [(); 4].map(|()| vec![DVec3::ZERO; 6 * uv.len()]);
+        let [wide, plain, any, any_plain] = &mut out;
+        fn task<'a>(
+            surface: &'a Separable,
+            tables: &'a [Table; 2],
+            uv: &'a [[f64; 2]],
+            out: &'a mut [DVec3],
+        ) -> Task<'a, impl Fn(usize) -> usize> {
+            Task {
+                surface,
+                tables,
+                uv,
+                index: |k| k,
+                out,
+            }
+        }
+        jets(s, &tables, &uv, 2, wide);
+        let net = Net::<_, 4, 3, 6> {
+            task: task(s, &tables, &uv, plain),
             net,
             sides: [u, v],
         };
-        net.jets::<4, 3, 6>(&uv, uv.len(), |k| k, &mut out[1]);
+        net.run(Plain);
+        with_quads(Any::<_, 3, 6>(task(s, &tables, &uv, any)));
+        Any::<_, 3, 6>(task(s, &tables, &uv, any_plain)).run(Plain);
         assert_eq!(out[0], out[1]);
+        assert_eq!(out[2], out[3]);
         // The kernel for any sides takes the same sums in another order.
-        any::<3, 6>(s, &tables, &uv, uv.len(), |k| k, &mut out[2]);
         for (a, b) in out[1].iter().zip(&out[2]) {
             assert!((*a - *b).length() <= 1e-13 * (a.length() + 81.0 * 36.0));
         }

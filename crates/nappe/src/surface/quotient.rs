@@ -1,6 +1,6 @@
 //! From homogeneous derivatives to those of a surface, for kernels.
 
-use std::ops::{Div, Mul, Sub};
+use std::ops::{Add, Div, Mul, Sub};
 
 /// The derivatives of `R.xyz / R.w` from those of R, both placed by [`jet_index`](super::jet_index), for jets of order
 /// 0, 1 and 2 (`JET` = 1, 3 and 6). The same operations in the same order as the general quotient rule of the engine,
@@ -8,10 +8,10 @@ use std::ops::{Div, Mul, Sub};
 #[inline(always)]
 pub(super) fn quotient<S, const JET: usize>(h: &[[S; 4]; JET]) -> [[S; 3]; JET]
 where
-    S: Copy + From<f64> + Sub<Output = S> + Mul<Output = S> + Div<Output = S>,
+    S: Copy + Add<Output = S> + Sub<Output = S> + Mul<Output = S> + Div<Output = S>,
 {
     let w = h[0][3];
-    let mut r = [[S::from(0.0); 3]; JET];
+    let mut r = [[w; 3]; JET];
     for c in 0..3 {
         r[0][c] = h[0][c] / w;
         if JET >= 3 {
@@ -19,11 +19,10 @@ where
             r[2][c] = (h[2][c] - r[0][c] * h[2][3]) / w;
         }
         if JET >= 6 {
-            let two = S::from(2.0);
             let [wu, wv] = [h[1][3], h[2][3]];
-            r[3][c] = (h[3][c] - r[0][c] * h[3][3] - r[1][c] * (two * wu)) / w;
+            r[3][c] = (h[3][c] - r[0][c] * h[3][3] - r[1][c] * (wu + wu)) / w;
             r[4][c] = (h[4][c] - r[0][c] * h[4][3] - r[2][c] * wu - r[1][c] * wv) / w;
-            r[5][c] = (h[5][c] - r[0][c] * h[5][3] - r[2][c] * (two * wv)) / w;
+            r[5][c] = (h[5][c] - r[0][c] * h[5][3] - r[2][c] * (wv + wv)) / w;
         }
     }
     r

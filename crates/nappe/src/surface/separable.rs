@@ -4,7 +4,7 @@
 //! `C`; derivatives, enclosures, grids and the exact conversion to NURBS are here, once.
 
 use super::{Dir, Surface, check_length, grid, jet_index, jet_len, list, pairs};
-use crate::basis::{FunctionsRef, TABLE_ORDER, Table};
+use crate::basis::{FunctionsRef, TABLE_ORDER, Table, room};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit};
 use crate::exact::NurbsSurface;
@@ -316,17 +316,27 @@ impl Surface for Separable {
             self.u.active(uv[0], limit[0]),
             self.v.active(uv[1], limit[1]),
         );
-        let mut a: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, (order + 1) * ra.len());
-        let mut b: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, (order + 1) * rb.len());
-        self.u.jet_into(uv[0], limit[0], order, &mut a);
-        self.v.jet_into(uv[1], limit[1], order, &mut b);
-        let mut k: SmallVec<[[f64; 4]; 16]> = SmallVec::from_elem([0.0; 4], (order + 1) * rb.len());
-        self.collapse(&a, [ra, rb.clone()], None, false, &mut k);
-        let mut h: SmallVec<[[f64; 4]; 6]> = SmallVec::from_elem([0.0; 4], jet_len(order));
-        Self::contract(&mut k, &b, rb.len(), order, false, &mut h);
-        let mut r: SmallVec<[[f64; 3]; 6]> = SmallVec::from_elem([0.0; 3], jet_len(order));
-        self.dehomogenise(&h, order, &mut r);
-        for (o, r) in out.iter_mut().zip(&r) {
+        let (mut a, mut b, mut k) = ([0.0; 32], [0.0; 32], [[0.0; 4]; 16]);
+        let (mut more_a, mut more_b, mut more_k) = (Vec::new(), Vec::new(), Vec::new());
+        let a = room(&mut a, &mut more_a, (order + 1) * ra.len(), 0.0);
+        let b = room(&mut b, &mut more_b, (order + 1) * rb.len(), 0.0);
+        let k = room(&mut k, &mut more_k, (order + 1) * rb.len(), [0.0; 4]);
+        self.u.jet_into(uv[0], limit[0], order, a);
+        self.v.jet_into(uv[1], limit[1], order, b);
+        match &self.core {
+            Core::Net(net) => {
+                let count = self.v.count();
+                grid::collapse_net(a, &net[ra.start * count..], count, rb.clone(), k);
+            }
+            Core::Terms(_) => self.collapse(a, [ra, rb.clone()], None, false, k),
+        }
+        let (mut h, mut r) = ([[0.0; 4]; 10], [[0.0; 3]; 10]);
+        let (mut more_h, mut more_r) = (Vec::new(), Vec::new());
+        let h = room(&mut h, &mut more_h, jet_len(order), [0.0; 4]);
+        let r = room(&mut r, &mut more_r, jet_len(order), [0.0; 3]);
+        Self::contract(k, b, rb.len(), order, false, h);
+        self.dehomogenise(h, order, r);
+        for (o, r) in out.iter_mut().zip(r) {
             *o = DVec3::from_array(*r);
         }
         out[0] += self.origin;
