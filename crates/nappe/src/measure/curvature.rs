@@ -3,8 +3,8 @@
 use super::apex::apexes;
 use super::search::{End, Extreme, Quantities, Search, SearchOptions};
 use super::shape::{Shape, ShapeForm};
+use super::size;
 use super::taylor::Taylor;
-use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::mesh::Certainty;
 use crate::surface::{Surface, SurfaceJet};
@@ -218,20 +218,4 @@ pub fn curvature_extremes(
         k2,
         smallest_radius: 1.0 / k1.value.abs().max(k2.value.abs()),
     })
-}
-
-/// The diagonal of a box around the surface, or if nothing is known of it, around points of it.
-fn size(surface: &dyn Surface) -> f64 {
-    let domain = surface.domain();
-    let known = surface.bounds(domain).diagonal();
-    if known.is_finite() {
-        return known;
-    }
-    const POINTS: usize = 8;
-    let at = |d: usize, k: usize| {
-        domain[d].lo + (domain[d].hi - domain[d].lo) * k as f64 / (POINTS - 1) as f64
-    };
-    let points =
-        (0..POINTS * POINTS).map(|k| surface.point([at(0, k / POINTS), at(1, k % POINTS)]));
-    Box3::around(points).map_or(1.0, Box3::diagonal)
 }

@@ -1,6 +1,9 @@
 //! Numbers of surfaces: curvature, area, volume, extent, continuity along shared sides, regularity. Each says how far it
 //! may be from the truth.
 
+use crate::box3::Box3;
+use crate::surface::Surface;
+
 mod along;
 mod apex;
 mod area;
@@ -27,3 +30,16 @@ pub use jump::{Jump, JumpOptions};
 pub use overlap::{Meeting, Overlap, OverlapOptions, Overlaps, overlaps};
 pub use regularity::{Regularity, regularity};
 pub use search::{Extreme, SearchOptions};
+
+/// How large a surface is: the diagonal of a box around points of it. Enclosures of a whole domain may be much larger than
+/// the surface, or infinite.
+pub(crate) fn size(surface: &dyn Surface) -> f64 {
+    const POINTS: usize = 9;
+    let domain = surface.domain();
+    let at = |d: usize, k: usize| {
+        domain[d].lo + (domain[d].hi - domain[d].lo) * k as f64 / (POINTS - 1) as f64
+    };
+    let points =
+        (0..POINTS * POINTS).map(|k| surface.point([at(0, k / POINTS), at(1, k % POINTS)]));
+    Box3::around(points.filter(|p| p.is_finite())).map_or(0.0, Box3::diagonal)
+}

@@ -1,6 +1,7 @@
 //! Where a surface is regular: collapsed sides, folds, and degenerate points.
 
 use super::jump::JumpOptions;
+use super::size;
 use crate::box3::Box3;
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
@@ -38,10 +39,10 @@ pub struct Regularity {
 /// Examines a surface. Cost: at most 16 times [`JumpOptions::parts`] enclosures of order 2.
 pub fn regularity(surface: &dyn Surface, options: &JumpOptions) -> Regularity {
     let domain = surface.domain();
-    let bounds = surface.bounds(domain).diagonal();
+    let size = size(surface);
     let collapsed: Vec<Side> = Side::ALL
         .into_iter()
-        .filter(|&s| Edge::new(surface, s).is_collapsed(COLLAPSED * bounds))
+        .filter(|&s| Edge::new(surface, s).is_collapsed(COLLAPSED * size))
         .collect();
     let mut boxes: VecDeque<Patch> = VecDeque::new();
     let (bu, bv) = (surface.breaks(Dir::U), surface.breaks(Dir::V));

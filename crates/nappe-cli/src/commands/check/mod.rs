@@ -7,6 +7,7 @@ use crate::scene;
 use crate::screen::Screen;
 use crate::slits::JOINED;
 use crate::text::{Table, bound, number};
+use nappe::Breaks as _;
 use nappe::measure::{
     Continuity, Crease, Jump, JumpOptions, Regularity, Smoothness, continuity, creases, regularity,
 };
@@ -30,9 +31,10 @@ mod passing;
 /// tolerance of the mesh of a shared side or corner, or the place is told where they cross, touch, or where that is not
 /// decided.
 ///
-/// It fails (exit code 1) if a declared check is missed or cannot be proven, if sides meet within the tolerance of the
-/// mesh but not closely enough to be joined, or if a surface folds over or passes through itself. Two surfaces that pass
-/// through each other are told (•) but are no failure: a handle may well be stuck through a wall.
+/// It fails (exit code 1) if a declared check is missed, or can be neither proven nor estimated to hold, if sides meet
+/// within the tolerance of the mesh but not closely enough to be joined, or if a surface is torn, folds over or passes
+/// through itself. Two surfaces that pass through each other are told (•) but are no failure: a handle may well be stuck
+/// through a wall. The last line tells how many claims are only estimated and how many pairs are not decided.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -223,12 +225,11 @@ impl<'a> Findings<'a> {
     fn failures(&self) -> usize {
         let declared = self.declared.iter().filter(|d| !d.verdict.passes()).count();
         let shared = self.shared.iter().filter(|s| !s.verdict.passes()).count();
-        let folded = self
-            .surfaces
-            .iter()
-            .filter(|s| !s.1.folds.is_empty())
-            .count();
-        declared + shared + folded + self.passing.failures()
+        let broken = |s: &&(&NamedSurface, Regularity, Vec<Crease>)| {
+            !s.1.folds.is_empty() || tear(s.0).is_some()
+        };
+        let broken = self.surfaces.iter().filter(broken).count();
+        declared + shared + broken + self.passing.failures()
     }
 
     fn text(&self) -> String {
@@ -247,11 +248,34 @@ impl<'a> Findings<'a> {
             parts.push(self.passing.text());
         }
         parts.push(match self.failures() {
-            0 => "✓ nothing fails".to_owned(),
+            0 => format!("✓ nothing fails{}", self.reservations()),
             1 => "✗ 1 failure".to_owned(),
             n => format!("✗ {n} failures"),
         });
         parts.join("\n\n") + "\n"
+    }
+
+    /// What passes without a proof, for the last line.
+    fn reservations(&self) -> String {
+        let seems = |v: Verdict| v == Verdict::Seems;
+        let estimated = self.declared.iter().filter(|d| seems(d.verdict)).count()
+            + self.shared.iter().filter(|s| seems(s.verdict)).count();
+        let open = self.passing.undecided();
+        let told = [
+            (
+                estimated,
+                "claim is only estimated",
+                "claims are only estimated",
+            ),
+            (
+                open,
+                "pair is not decided for crossings",
+                "pairs are not decided for crossings",
+            ),
+        ];
+        let told = told.into_iter().filter(|t| t.0 > 0);
+        told.map(|(n, one, many)| format!("; {n} {}", if n == 1 { one } else { many }))
+            .collect()
     }
 
     fn declared_table(&self) -> Table {
@@ -319,8 +343,15 @@ impl<'a> Findings<'a> {
     fn surface_table(&self) -> Table {
         let mut table = Table::headed(["", "surface", "tangent plane", "creases", "poles"]);
         for (s, r, creases) in &self.surfaces {
-            let mark = if r.folds.is_empty() { "✓" } else { "✗" };
-            let state = if r.regular {
+            let torn = tear(s);
+            let mark = if r.folds.is_empty() && torn.is_none() {
+                "✓"
+            } else {
+                "✗"
+            };
+            let state = if let Some((name, at)) = torn {
+                format!("torn at {name} = {}: it jumps there", number(at, 6))
+            } else if r.regular {
                 "in every piece, proven".to_owned()
             } else if !r.folds.is_empty() {
                 format!("folds over at {}", places(&r.folds))
@@ -397,6 +428,7 @@ impl<'a> Findings<'a> {
                 json!({
                     "name": s.name,
                     "regular": r.regular,
+                    "torn": tear(s).map(|(name, at)| json!({"dir": name, "at": at})),
                     "creases": creases
                         .iter()
                         .map(|c| json!({"dir": if c.dir == Dir::U { "u" } else { "v" }, "at": c.at, "angle": c.angle, "uv": c.uv}))
@@ -480,6 +512,13 @@ fn shown(c: Certainty, unit: f64, symbol: &str) -> String {
         Certainty::Bounded(e) => format!("≤ {}{symbol}", bound(e * unit, 4)),
         Certainty::Estimated(e) => format!("{}{symbol} (estimated)", bound(e * unit, 4)),
     }
+}
+
+/// The first parameter at which a surface jumps, if it does.
+fn tear(s: &NamedSurface) -> Option<(&'static str, f64)> {
+    [(Dir::U, "u"), (Dir::V, "v")]
+        .into_iter()
+        .find_map(|(dir, name)| Some((name, *s.surface.breaks(dir).below(0).first()?)))
 }
 
 fn crease(c: &Crease) -> String {

@@ -30,10 +30,16 @@ impl Passing {
         self.all.found.iter().filter(|o| fails(o)).count()
     }
 
+    /// The number of pairs for which neither a crossing was found nor its absence proven.
+    pub(super) fn undecided(&self) -> usize {
+        let open = |o: &&Overlap| matches!(o.meeting, Meeting::Undecided { .. } | Meeting::Touches);
+        self.all.found.iter().filter(open).count()
+    }
+
     pub(super) fn text(&self) -> String {
         let pairs = self.names.len() * (self.names.len() + 1) / 2;
         let but = format!(
-            "but within {} {} of shared sides and corners",
+            "but within at most {} {} of shared sides and corners",
             number(self.tolerance, 4),
             self.unit
         );

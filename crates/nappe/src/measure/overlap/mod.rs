@@ -8,6 +8,7 @@ mod links;
 mod meet;
 mod tree;
 
+use super::size;
 use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::mesh::shared::Edge;
@@ -23,7 +24,8 @@ use tree::{Node, Tree};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OverlapOptions {
     /// Sides and corners that are nowhere farther apart than this length are shared. Common points within this distance
-    /// of what is shared are not told from it, nor are points of one surface that lie in a part of it no larger.
+    /// of what is shared are not told from it, nor are points of one surface that lie in a part of it no larger. At most
+    /// a hundredth of the smaller surface of a pair is used.
     pub contact: f64,
     /// The most pairs of rectangles that are looked at for each pair of surfaces.
     pub budget: usize,
@@ -86,6 +88,9 @@ pub struct Overlaps {
 
 /// A side whose points lie within this part of the surface's size of each other is one point.
 const POLE: f64 = 1e-9;
+/// The contact distance is at most this share of the smaller surface: a larger one, fit for a whole model, would hide
+/// what a small part does.
+const CONTACT: f64 = 0.01;
 /// Rectangles smaller than this share of the contact distance are not halved.
 const SMALLEST: f64 = 1e-3;
 /// The accuracy to which points are computed, relative to the greatest coordinate.
@@ -120,7 +125,7 @@ pub fn overlaps(surfaces: &[SurfaceRef], options: &OverlapOptions) -> Overlaps {
 }
 
 fn tree(surface: &dyn Surface) -> Tree<'_> {
-    let size = surface.bounds(surface.domain()).diagonal();
+    let size = size(surface);
     let is_pole = |s: &Side| Edge::new(surface, *s).is_collapsed(POLE * size);
     Tree::new(surface, Side::ALL.into_iter().filter(is_pole).collect())
 }
@@ -159,7 +164,11 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
         return None;
     }
     let rounding = ROUNDING * trees[i].far().max(trees[j].far());
-    let contact = options.contact;
+    let smaller = pair
+        .map(|k| size(trees[k].surface))
+        .into_iter()
+        .fold(f64::INFINITY, f64::min);
+    let contact = options.contact.min(CONTACT * smaller);
     let links = Links::between(&trees[i], &trees[j], is_self, contact, rounding);
     let surfaces = pair.map(|k| trees[k].surface);
     let meet = Meet { surfaces, rounding };
