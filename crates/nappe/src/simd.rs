@@ -6,8 +6,7 @@
 
 use std::ops::{Add, Div, Mul, Sub};
 
-/// The length of a register. Wider ones are not used: large grids end at the speed of memory, and lists have four
-/// homogeneous coordinates.
+/// The length of a register: that of AVX2, and the number of homogeneous coordinates of a point.
 pub(crate) const QUAD: usize = 4;
 
 /// Arithmetic with four numbers at a time.

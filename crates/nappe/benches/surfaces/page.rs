@@ -23,13 +23,13 @@ their fastest public call; they are those of `bench/peers.py` that were installe
 const BOUNDS: &str = "
 ## What bounds each row
 
-* **T1, T4, grid**: writing to memory, once the grid has some hundred columns. The sides are evaluated n + m times; what
-  remains is one short sum of products a point, four columns at a time. Kinds made of curves pay n + m evaluations of
-  these curves by the exact path.
+* **T1, T4, grid**: writing, and one short sum of products a point, four columns at a time; where the result stays in the
+  last-level cache, as 10⁶ points do in one of 32 MB, the sums cost more than the writing. The sides are evaluated n + m
+  times by the exact path, which counts for small grids and for kinds made of curves.
 * **T2, normal**: the arithmetic: two tangents, a cross product, a square root and a division a point.
 * **T3, T3b, list, list1**: the arithmetic of one point after the other: finding the piece, the sides by powers about the
-  piece's middle, and the products with the net. Nets beyond the caches are walked through in their own order, so that
-  the net is read once for each quarter of a million points.
+  piece's middle, and the products with the net. Nets beyond the caches are walked through in their own order, a quarter
+  of a million points at a time; there the time goes into waiting for memory, for the net and for results out of order.
 * **Sides that are no polynomials** (turns by angle, trigonometric blending, the Diagonal-key's turning functions,
   expressions) are evaluated as single points are: lists of such kinds cost what their functions cost.
 * **mesh**: the enclosures that prove the tolerance.
