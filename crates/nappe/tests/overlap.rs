@@ -204,6 +204,33 @@ fn planes_cross_touch_and_stay_apart() {
 }
 
 #[test]
+fn a_contact_distance_larger_than_a_part_hides_nothing() {
+    // Two unit squares through each other, and a large one that makes a whole model's tolerance large.
+    let a = quad(v(0., 0., 0.), v(1., 0., 0.), v(1., 1., 0.), v(0., 1., 0.));
+    let b = quad(
+        v(0.5, 0.2, -1.),
+        v(0.5, 0.8, -1.),
+        v(0.5, 0.8, 1.),
+        v(0.5, 0.2, 1.),
+    );
+    let far = 1e3;
+    let big = quad(
+        v(-far, -far, -5.),
+        v(far, -far, -5.),
+        v(far, far, -5.),
+        v(-far, far, -5.),
+    );
+    for contact in [1e-3, 1.0, 2.8, 1e3] {
+        let found = examined(&[a.clone(), b.clone(), big.clone()], contact);
+        let crossing = |o: &Overlap| matches!(o.meeting, Meeting::Crosses { .. });
+        assert!(
+            found.found.len() == 1 && crossing(&found.found[0]),
+            "{contact}: {found:?}"
+        );
+    }
+}
+
+#[test]
 fn patches_around_shared_sides_and_corners_are_apart() {
     let height = |x: f64, y: f64| 0.3 * x * x - 0.2 * x * y;
     let at = |x: f64, y: f64| v(x, y, height(x, y));
