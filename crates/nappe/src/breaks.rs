@@ -46,6 +46,10 @@ pub trait Breaks {
     fn parts(&self, t: Interval) -> Vec<(Interval, Limit)>;
     /// The breaks where fewer than `smooth + 1` derivatives agree, without the ends.
     fn below(&self, smooth: i32) -> Vec<f64>;
+    /// The first place where the map jumps.
+    fn tear(&self) -> Option<f64> {
+        self.below(0).first().copied()
+    }
 }
 
 impl Breaks for [Break] {

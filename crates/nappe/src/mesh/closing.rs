@@ -8,7 +8,7 @@ use crate::surface::{Dir, Side};
 
 /// The share of a surface, measured across a side, that a gap along the side may have. Larger, and slits would be closed;
 /// smaller, and what is joined roughly on purpose would fall apart.
-const SHARE: f64 = 0.01;
+pub(crate) const SHARE: f64 = 0.01;
 /// Lines across a side that are measured, and parts of each.
 const LINES: usize = 5;
 const PARTS: usize = 8;

@@ -195,7 +195,7 @@ fn judge(surface: &dyn Surface, leaf: &Leaf, uv: [Interval; 2], demand: &Demand)
 /// Cuts the domain along a direction where the surface is not C¹.
 fn blocks(surface: &dyn Surface, dir: Dir, index: usize) -> Result<Vec<Interval>, MeshError> {
     let breaks = surface.breaks(dir);
-    if let Some(&at) = breaks.below(0).first() {
+    if let Some(at) = breaks.tear() {
         return Err(MeshError::Torn {
             surface: index,
             dir,

@@ -18,7 +18,7 @@ use shared::Edge;
 use std::collections::HashMap;
 
 mod bound;
-mod closing;
+pub(crate) mod closing;
 mod flatten;
 mod joints;
 mod layout;

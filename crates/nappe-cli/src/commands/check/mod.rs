@@ -518,7 +518,7 @@ fn shown(c: Certainty, unit: f64, symbol: &str) -> String {
 fn tear(s: &NamedSurface) -> Option<(&'static str, f64)> {
     [(Dir::U, "u"), (Dir::V, "v")]
         .into_iter()
-        .find_map(|(dir, name)| Some((name, *s.surface.breaks(dir).below(0).first()?)))
+        .find_map(|(dir, name)| Some((name, s.surface.breaks(dir).tear()?)))
 }
 
 fn crease(c: &Crease) -> String {

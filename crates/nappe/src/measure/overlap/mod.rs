@@ -10,7 +10,9 @@ mod tree;
 
 use super::size;
 use crate::box3::Box3;
+use crate::breaks::Breaks;
 use crate::interval::Interval;
+use crate::mesh::closing::SHARE;
 use crate::mesh::shared::Edge;
 use crate::surface::{Dir, Side, Surface, SurfaceRef};
 use glam::DVec3;
@@ -88,9 +90,6 @@ pub struct Overlaps {
 
 /// A side whose points lie within this part of the surface's size of each other is one point.
 const POLE: f64 = 1e-9;
-/// The contact distance is at most this share of the smaller surface: a larger one, fit for a whole model, would hide
-/// what a small part does.
-const CONTACT: f64 = 0.01;
 /// Rectangles smaller than this share of the contact distance are not halved.
 const SMALLEST: f64 = 1e-3;
 /// The accuracy to which points are computed, relative to the greatest coordinate.
@@ -127,7 +126,11 @@ pub fn overlaps(surfaces: &[SurfaceRef], options: &OverlapOptions) -> Overlaps {
 fn tree(surface: &dyn Surface) -> Tree<'_> {
     let size = size(surface);
     let is_pole = |s: &Side| Edge::new(surface, *s).is_collapsed(POLE * size);
-    Tree::new(surface, Side::ALL.into_iter().filter(is_pole).collect())
+    Tree::new(
+        surface,
+        size,
+        Side::ALL.into_iter().filter(is_pole).collect(),
+    )
 }
 
 /// A pair of nodes to be looked at; the largest first, among equals the earliest.
@@ -164,11 +167,9 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
         return None;
     }
     let rounding = ROUNDING * trees[i].far().max(trees[j].far());
-    let smaller = pair
-        .map(|k| size(trees[k].surface))
-        .into_iter()
-        .fold(f64::INFINITY, f64::min);
-    let contact = options.contact.min(CONTACT * smaller);
+    let contact = options
+        .contact
+        .min(SHARE * trees[i].size.min(trees[j].size));
     let links = Links::between(&trees[i], &trees[j], is_self, contact, rounding);
     let surfaces = pair.map(|k| trees[k].surface);
     let meet = Meet { surfaces, rounding };
@@ -280,10 +281,8 @@ fn near(a: Box3, b: Box3) -> bool {
 }
 
 fn is_torn(surface: &dyn Surface) -> bool {
-    [Dir::U, Dir::V].into_iter().any(|dir| {
-        let breaks = surface.breaks(dir);
-        breaks[1..breaks.len() - 1].iter().any(|b| b.smooth < 0)
-    })
+    let tear = |dir| surface.breaks(dir).tear().is_some();
+    tear(Dir::U) || tear(Dir::V)
 }
 
 /// The size of the part of a surface between two places.

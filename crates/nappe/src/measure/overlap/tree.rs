@@ -56,6 +56,8 @@ impl Node {
 
 pub(super) struct Tree<'a> {
     pub(super) surface: &'a dyn Surface,
+    /// How large the surface is.
+    pub(super) size: f64,
     pub(super) nodes: Vec<Node>,
     /// The node of the whole surface.
     pub(super) root: usize,
@@ -70,9 +72,10 @@ pub(super) struct Tree<'a> {
 const GROWTH: f64 = 4.0;
 
 impl<'a> Tree<'a> {
-    pub(super) fn new(surface: &'a dyn Surface, poles: Vec<Side>) -> Self {
+    pub(super) fn new(surface: &'a dyn Surface, size: f64, poles: Vec<Side>) -> Self {
         let mut tree = Self {
             surface,
+            size,
             nodes: Vec::new(),
             root: 0,
             poles,
