@@ -2,7 +2,7 @@
 
 use crate::facets::{area_vector, corners};
 use crate::scene::Scene;
-use std::collections::VecDeque;
+use nappe::measure::bodies;
 
 /// What the surfaces make together.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,39 +53,19 @@ pub(crate) fn shape(scene: &Scene) -> Shape {
     }
 }
 
-/// Follows the parts from neighbour to neighbour, then turns each connected body so that its volume is positive.
+/// Turns each connected body so that its volume is positive.
 fn orient(scene: &Scene, neighbours: &[Vec<(usize, bool)>]) -> Option<Vec<bool>> {
-    let mut turn: Vec<Option<bool>> = vec![None; neighbours.len()];
-    for start in 0..neighbours.len() {
-        if turn[start].is_some() {
-            continue;
-        }
-        turn[start] = Some(false);
-        let (mut body, mut queue) = (Vec::new(), VecDeque::from([(start, false)]));
-        while let Some((part, turned)) = queue.pop_front() {
-            body.push((part, turned));
-            for &(next, against) in &neighbours[part] {
-                match turn[next] {
-                    None => {
-                        turn[next] = Some(turned != against);
-                        queue.push_back((next, turned != against));
-                    }
-                    Some(t) if t != (turned != against) => return None,
-                    Some(_) => {}
-                }
-            }
-        }
+    let mut turn = vec![false; neighbours.len()];
+    for body in bodies(neighbours).ok()? {
         let volume: f64 = body
             .iter()
             .map(|&(p, t)| if t { -1.0 } else { 1.0 } * cone_volume(scene, p))
             .sum();
-        if volume < 0.0 {
-            for (part, turned) in body {
-                turn[part] = Some(!turned);
-            }
+        for (part, turned) in body {
+            turn[part] = turned != (volume < 0.0);
         }
     }
-    Some(turn.into_iter().map(|t| t == Some(true)).collect())
+    Some(turn)
 }
 
 /// Six times the volume between a part and a fixed point near the scene.

@@ -6,13 +6,13 @@ use nappe::curve::{CurveRef, ExpressionCurve};
 use nappe::exact::NurbsSurface;
 use nappe::expr::Expr;
 use nappe::measure::{
-    Extreme, IntegralOptions, SearchOptions, VolumeError, area, curvature, curvature_extremes,
-    extent, volume,
+    Extreme, IntegralOptions, Measured, SearchOptions, VolumeError, area, curvature,
+    curvature_extremes, extent, shells, tear, volume,
 };
 use nappe::mesh::Certainty;
 use nappe::surface::{
-    Construction, Revolution, RevolutionOptions, Surface, SurfaceRef, Swapped, Transformed,
-    bilinear,
+    Construction, Quadric, QuadricOptions, QuadricShape, Revolution, RevolutionOptions, Surface,
+    SurfaceRef, Swapped, Transformed, bilinear,
 };
 use nappe::{DAffine3, DVec3, Frame, Limit};
 use std::f64::consts::{PI, TAU};
@@ -139,6 +139,101 @@ fn a_box_of_six_planes_has_its_volume_and_a_wrong_one_is_named() {
         matches!(wrong, Err(VolumeError::Orientation { .. })),
         "{wrong:?}"
     );
+    // As a shell it is turned, whichever surface comes first.
+    for first in 0..6 {
+        let mut order: Vec<usize> = (0..6).collect();
+        order.rotate_left(first);
+        let faces: Vec<SurfaceRef> = order.iter().map(|&k| turned[k].clone()).collect();
+        let found = shells(&faces, None, &IntegralOptions::default()).unwrap();
+        let [shell] = found.as_slice() else {
+            panic!("{found:?}")
+        };
+        let m = shell.volume;
+        assert!((m.value - 30.0).abs() <= m.certainty.error() && m.certainty.error() < 1e-3);
+        let inwards = shell.surfaces.iter().filter(|s| s.1).map(|s| order[s.0]);
+        assert_eq!(inwards.collect::<Vec<_>>(), [5]);
+    }
+}
+
+fn ellipsoid(axes: [f64; 3]) -> SurfaceRef {
+    let shape = QuadricShape::Ellipsoid;
+    Arc::new(Quadric::new(shape, &axes, QuadricOptions::default()).unwrap())
+}
+
+#[test]
+fn each_shell_has_its_own_volume() {
+    let ball = 4.0 / 3.0 * PI;
+    let near = |m: Measured, want: f64| {
+        assert!(
+            (m.value - want).abs() <= m.certainty.error(),
+            "{m:?} for {want}"
+        );
+        assert!(m.certainty.error() <= 1e-5 * ball, "{m:?}");
+    };
+    let outer = ellipsoid([1.0; 3]);
+    // A hollow: the inner sphere has its normals towards the middle.
+    let inner: SurfaceRef = Arc::new(Swapped::new(ellipsoid([0.5; 3])));
+    let found = shells(&[outer.clone(), inner.clone()], None, &MILLIONTH).unwrap();
+    assert_eq!(found.len(), 2);
+    near(found[0].volume, ball);
+    near(found[1].volume, ball / 8.0);
+    assert_eq!(
+        (found[0].surfaces[0], found[1].surfaces[0]),
+        ((0, false), (1, true))
+    );
+    near(
+        volume(&[outer, inner], None, &MILLIONTH).unwrap(),
+        ball * 7.0 / 8.0,
+    );
+}
+
+#[test]
+fn thin_bodies_have_tight_volumes() {
+    for axes in [
+        [1.0; 3],
+        [1e3, 1e3, 1e-3],
+        [1e-6, 1e-6, 1e3],
+        [1.0, 2.0, 5.0],
+    ] {
+        let m = volume(&[ellipsoid(axes)], None, &MILLIONTH).unwrap();
+        let want = 4.0 / 3.0 * PI * axes.iter().product::<f64>();
+        assert!(matches!(m.certainty, Certainty::Bounded(_)), "{m:?}");
+        assert!(
+            (m.value - want).abs() <= m.certainty.error(),
+            "{m:?} for {want}"
+        );
+        assert!(m.certainty.error() <= 1e-4 * want, "{axes:?}: {m:?}");
+    }
+}
+
+#[test]
+fn a_torn_surface_has_no_volume() {
+    // A tube whose radius jumps half way, closed to a ring: without the jump it would be a torus.
+    let s = revolved(
+        "3 + if(t < 0.5, 1, 1.1)*cos(2*pi*t)",
+        "-if(t < 0.5, 1, 1.1)*sin(2*pi*t)",
+        Construction::Angle,
+    );
+    let found = volume(std::slice::from_ref(&s), Some(1.0), &MILLIONTH);
+    let Err(VolumeError::Torn { surface: 0, at, .. }) = found else {
+        panic!("{found:?}")
+    };
+    assert!((at - 0.5).abs() < 1e-12);
+    assert_eq!(tear(s.as_ref()).unwrap().1, at);
+}
+
+#[test]
+fn a_needle_has_the_curvature_of_its_tips_and_waist() {
+    for a in [1e-2, 1e-6] {
+        let e = curvature_extremes(ellipsoid([a, a, 1e3]).as_ref(), &SearchOptions::default());
+        let e = e.unwrap();
+        // At the waist K = 1/c², the least; samples find at least a curvature as strong as that of the waist.
+        assert!(
+            e.gaussian[0].value <= 1.001e-6 && e.gaussian[0].value >= 0.999e-6,
+            "{e:?}"
+        );
+        assert!(e.k2.value <= -0.999 / a, "{e:?}");
+    }
 }
 
 #[test]

@@ -5,7 +5,9 @@
 use nappe::curve::{CurveRef, ExpressionCurve};
 use nappe::exact::NurbsCurve;
 use nappe::expr::{Bound, Expr};
-use nappe::measure::{Meeting, Overlap, OverlapOptions, Overlaps, overlaps};
+use nappe::measure::{
+    JumpOptions, Meeting, Overlap, OverlapOptions, Overlaps, overlaps, pinches, regularity,
+};
 use nappe::surface::{
     Quadric, QuadricOptions, QuadricShape, Revolution, RevolutionOptions, SurfaceRef, Torus,
     TorusOptions, Transformed, bilinear, ruled,
@@ -147,6 +149,56 @@ fn a_cylinder_over_a_figure_of_eight_crosses_itself() {
     let s = between(eight("0"), eight("1"));
     // At the double point x'/y' = ±1/2: the branches meet at 2 atan(1/2).
     assert_crosses(&[s], [0, 0], Some(2.0 * 0.5f64.atan()));
+}
+
+#[test]
+fn a_crossing_exactly_on_the_seam_is_found() {
+    // The double point of the figure of eight is where it begins and ends.
+    let eight = |z: &str| curve("sin(4*pi*t)", "sin(2*pi*t)", z);
+    let s = between(eight("0"), eight("1"));
+    for (scale, far) in PLACES {
+        let o = only(std::slice::from_ref(&s), scale, far);
+        let Meeting::Crosses { angle, .. } = o.meeting else {
+            panic!("{o:?}")
+        };
+        assert!((angle - 2.0 * 0.5f64.atan()).abs() < 1e-5, "{o:?}");
+    }
+}
+
+#[test]
+fn surfaces_that_touch_themselves_in_a_point_are_apart_elsewhere() {
+    let horn = Torus::new(1.0, 1.0, TorusOptions::default()).unwrap();
+    let options = RevolutionOptions {
+        angle: TAU,
+        ..Default::default()
+    };
+    // Both sheets of a cone, the tip not in the middle of the profile.
+    let inner = Revolution::new(curve("abs(3*t-1)", "0*t", "3*t"), Frame::WORLD, options).unwrap();
+    for (s, at) in [
+        (Arc::new(horn) as SurfaceRef, 0.5),
+        (Arc::new(inner), 1.0 / 3.0),
+    ] {
+        for (scale, far) in PLACES {
+            let s = placed(std::slice::from_ref(&s), scale, far);
+            let found = pinches(s[0].as_ref());
+            assert_eq!(found.len(), 1, "{found:?}");
+            assert!((found[0].at - at).abs() < 1e-4, "{found:?}");
+            let r = regularity(s[0].as_ref(), &JumpOptions::default());
+            assert_eq!((r.pinches, r.folds), (found, Vec::new()));
+            assert!(r.degenerate.is_empty(), "{:?}", r.degenerate);
+        }
+        assert_apart(&[s]);
+    }
+}
+
+#[test]
+fn a_bow_tie_folds_over_in_its_knot() {
+    let o = quad(v(0., 0., 0.), v(1., 0., 0.), v(0., 1., 0.), v(1., 1., 0.));
+    let r = regularity(o.as_ref(), &JumpOptions::default());
+    assert!(!r.folds.is_empty() && !r.regular);
+    assert_eq!(r.pinches.len(), 1, "{:?}", r.pinches);
+    assert!((r.pinches[0].at - 0.5).abs() < 1e-9);
+    assert!(r.pinches[0].point.distance(v(0.5, 0.5, 0.0)) < 1e-9);
 }
 
 #[test]

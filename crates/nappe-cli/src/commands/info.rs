@@ -5,15 +5,16 @@ use crate::failure::{Failure, Problem};
 use crate::model::ModelArgs;
 use crate::scene;
 use crate::screen::Screen;
+use crate::slits::JOINED;
 use crate::text::{Table, bound, number};
-use nappe::Box3;
 use nappe::exact::NurbsSurface;
 use nappe::measure::{
-    CurvatureExtremes, Extent, Extreme, IntegralOptions, Measured, SearchOptions, VolumeError,
-    area, curvature_extremes, extent, volume,
+    CurvatureExtremes, Extent, Extreme, IntegralOptions, Measured, SearchOptions, Shell,
+    VolumeError, area, curvature_extremes, extent, shells, tear,
 };
 use nappe::mesh::{Certainty, Joints, joints};
-use nappe::surface::{Side, SurfaceRef};
+use nappe::surface::{Dir, Side, SurfaceRef};
+use nappe::{Box3, Interval};
 use nappe_exchange::Format;
 use nappe_model::{Model, NamedSurface};
 use serde_json::{Value, json};
@@ -23,6 +24,10 @@ use std::io::{self, Write};
 ///
 /// Every number is given with its error: proven, or estimated where that is said. Curvature is signed by the normal
 /// r_u × r_v: where the surface bends towards it the mean curvature is positive.
+///
+/// Sides are one, and surfaces closed, if the mesh would join them: within a twentieth of its tolerance. Surfaces that
+/// close up make a shell; its volume is what it encloses unless surfaces pass through themselves or each other, which
+/// `nappe check` tells. The volumes of several shells are added only if their boxes prove them to lie beside each other.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -36,9 +41,6 @@ pub(crate) struct Args {
     #[arg(long, default_value = "text")]
     format: ReportFormat,
 }
-
-/// Sides nearer than this share of the box are the same side.
-const SAME_SIDE: f64 = 1e-7;
 
 /// A report is read by people who wait for it: a few digits, each proven, rather than all.
 const INTEGRALS: IntegralOptions = IntegralOptions {
@@ -81,14 +83,18 @@ fn refuse_other_formats(model: &ModelArgs) -> Result<(), Problem> {
 /// What is said of a whole model.
 struct Facts {
     surfaces: Vec<SurfaceFacts>,
-    area: Measured,
-    volume: Result<Measured, String>,
+    /// `None` if a surface is torn.
+    area: Option<Measured>,
+    shells: Result<Vec<Shell>, String>,
+    /// True if the boxes of all shells are proven to be apart.
+    apart: bool,
     extent: Option<(Box3, Certainty)>,
 }
 
 /// What is said of one surface.
 struct SurfaceFacts {
     nurbs: Option<NurbsSurface>,
+    torn: Option<(Dir, f64)>,
     area: Measured,
     extent: Option<Extent>,
     curvature: Option<CurvatureExtremes>,
@@ -100,7 +106,8 @@ impl Facts {
     fn of(model: &Model, screen: &Screen) -> Facts {
         let named: Vec<&NamedSurface> = model.output().collect();
         let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
-        let met = joints(&surfaces, scene::share_of_size(model, SAME_SIDE));
+        let joined = JOINED * scene::tolerance(model, None);
+        let met = joints(&surfaces, joined);
         let progress = screen.progress("Measuring");
         let facts: Vec<SurfaceFacts> = surfaces
             .iter()
@@ -111,13 +118,23 @@ impl Facts {
                 facts
             })
             .collect();
+        let unit = model.units.symbol();
+        let shells = shells(&surfaces, Some(joined), &INTEGRALS);
         progress.finish();
+        let torn = facts.iter().any(|f| f.torn.is_some());
         Facts {
-            area: sum(facts.iter().map(|f| f.area)),
-            volume: volume(&surfaces, None, &INTEGRALS).map_err(|e| open(&e, &named)),
+            area: (!torn).then(|| facts.iter().map(|f| f.area).sum()),
+            apart: shells.as_ref().is_ok_and(|s| are_apart(s, &facts)),
+            shells: shells.map_err(|e| open(&e, &named, unit)),
             extent: whole(&facts),
             surfaces: facts,
         }
+    }
+
+    /// What all shells enclose, if that is known.
+    fn volume(&self) -> Option<Measured> {
+        let shells = self.shells.as_ref().ok().filter(|_| self.apart)?;
+        Some(shells.iter().map(|s| s.volume).sum())
     }
 
     fn text(&self, model: &Model) -> String {
@@ -155,28 +172,57 @@ impl Facts {
             ]);
         }
         if !self.surfaces.is_empty() {
-            head.row(["area", &format!("{} {unit}²", measured(self.area))]);
-            let volume = match &self.volume {
-                Ok(v) if v.value < 0.0 => {
-                    let outward = Measured {
-                        value: -v.value,
-                        ..*v
-                    };
-                    format!(
-                        "{} {unit}³ enclosed; the normals point inwards",
-                        measured(outward)
-                    )
-                }
-                Ok(v) => format!("{} {unit}³ enclosed", measured(*v)),
-                Err(e) => format!("none: {e}"),
+            let area = match self.area {
+                Some(area) => format!("{} {unit}²", measured(area)),
+                None => "not told: a surface is torn".to_owned(),
             };
-            head.row(["volume", &volume]);
+            head.row(["area", &area]);
+            self.volumes(&mut head, model);
         }
         let mut text = format!("{head}\n");
         if !self.surfaces.is_empty() {
             text.push_str(&format!("\n{}\n", self.table(model, unit)));
         }
         text
+    }
+
+    /// The rows on volumes.
+    fn volumes(&self, head: &mut Table, model: &Model) {
+        let unit = model.units.symbol();
+        let shells = match &self.shells {
+            Ok(shells) => shells,
+            Err(why) => return head.row(["volume", &format!("none: {why}")]),
+        };
+        if let Some(volume) = self.volume() {
+            let facing = match shells.as_slice() {
+                [one] => format!("; {}", facing(one)),
+                _ => format!(" in {} shells beside each other", shells.len()),
+            };
+            return head.row([
+                "volume",
+                &format!(
+                    "{} {unit}³ enclosed, if nothing passes through itself (see `nappe check`){facing}",
+                    measured(volume)
+                ),
+            ]);
+        }
+        head.row([
+            "volume",
+            &format!(
+                "of {} shells, not added: they may cross or lie inside each other (see `nappe check`)",
+                shells.len()
+            ),
+        ]);
+        let named: Vec<&NamedSurface> = model.output().collect();
+        for s in shells {
+            let volume = format!(
+                "{} {unit}³: {}; {}",
+                measured(s.volume),
+                members(s, &named),
+                facing(s)
+            );
+            head.row(["", &volume]);
+        }
     }
 
     fn table(&self, model: &Model, unit: &str) -> Table {
@@ -210,7 +256,7 @@ impl Facts {
                 s.kind.to_owned(),
                 nurbs,
                 size,
-                measured(f.area),
+                f.torn.map_or_else(|| measured(f.area), torn),
                 gaussian,
                 mean,
                 f.closure(),
@@ -255,9 +301,12 @@ impl Facts {
             "curves": curves,
             "surfaces": surfaces,
             "box": self.extent.map(|(hull, certainty)| box_json(hull, certainty)),
-            "area": measured_json(self.area),
-            "volume": self.volume.as_ref().ok().map(|v| measured_json(*v)),
-            "not_closed": self.volume.as_ref().err(),
+            "area": self.area.map(measured_json),
+            "volume": self.volume().map(measured_json),
+            "shells": self.shells.as_ref().ok().map(|all| {
+                all.iter().map(|s| shell_json(s, model)).collect::<Vec<_>>()
+            }),
+            "not_closed": self.shells.as_ref().err(),
         })
     }
 }
@@ -272,6 +321,7 @@ impl SurfaceFacts {
         };
         SurfaceFacts {
             nurbs: surface.to_nurbs(),
+            torn: tear(surface.as_ref()),
             area: area(surface.as_ref(), &INTEGRALS),
             extent: extent(surface.as_ref(), &SEARCH),
             curvature: curvature_extremes(surface.as_ref(), &SEARCH),
@@ -306,7 +356,8 @@ impl SurfaceFacts {
             "degree": self.nurbs.as_ref().map(|n| [n.basis_u().degree(), n.basis_v().degree()]),
             "rational": self.nurbs.as_ref().map(NurbsSurface::is_rational),
             "box": self.extent.as_ref().map(|e| box_json(e.hull, e.certainty)),
-            "area": measured_json(self.area),
+            "torn": self.torn.map(|(dir, at)| json!({ "dir": dir.to_string(), "at": at })),
+            "area": self.torn.is_none().then(|| measured_json(self.area)),
             "gaussian_curvature": self.curvature.as_ref().map(|c| c.gaussian.map(extreme_json)),
             "mean_curvature": self.curvature.as_ref().map(|c| c.mean.map(extreme_json)),
             "smallest_radius": self.curvature.as_ref().map(|c| c.smallest_radius).filter(|r| r.is_finite()),
@@ -326,36 +377,93 @@ fn counted(put_out: usize, all: usize) -> String {
 }
 
 /// Why there is no volume, with names instead of numbers.
-fn open(e: &VolumeError, named: &[&NamedSurface]) -> String {
-    let mut text = e.to_string();
-    // From the last, so that `surface 1` is not found in `surface 12`.
-    for (i, s) in named.iter().enumerate().rev() {
-        text = text.replace(&format!("surface {i} "), &format!("`{}` ", s.name));
-        if let Some(start) = text.strip_suffix(&format!("surface {i}")) {
-            text = format!("{start}`{}`", s.name);
+fn open(e: &VolumeError, named: &[&NamedSurface], unit: &str) -> String {
+    let name = |i: usize| format!("`{}`", named[i].name);
+    match *e {
+        VolumeError::Open {
+            surface,
+            side,
+            weld,
+        } => format!(
+            "{} is open along its {side} side: nothing within {} {unit} meets it",
+            name(surface),
+            number(weld, 4)
+        ),
+        VolumeError::Torn { surface, dir, at } => {
+            format!("{} is {}", name(surface), torn((dir, at)))
         }
+        VolumeError::OneSided { surface } => {
+            format!("{} and what it meets have only one side", name(surface))
+        }
+        VolumeError::Orientation { first, second } => format!(
+            "{} (its {} side) and {} (its {} side) have normals on different sides",
+            name(first.0),
+            first.1,
+            name(second.0),
+            second.1
+        ),
+        VolumeError::Branched { surface, side } => format!(
+            "more than two sides meet along the {side} side of {}",
+            name(surface)
+        ),
     }
-    text
 }
 
-fn sum(parts: impl Iterator<Item = Measured>) -> Measured {
-    parts.fold(
-        Measured {
-            value: 0.0,
-            certainty: Certainty::Exact,
-        },
-        |a, b| {
-            let e = a.certainty.error() + b.certainty.error();
-            Measured {
-                value: a.value + b.value,
-                certainty: match a.certainty.and(b.certainty) {
-                    Certainty::Exact => Certainty::Exact,
-                    Certainty::Bounded(_) => Certainty::Bounded(e),
-                    Certainty::Estimated(_) => Certainty::Estimated(e),
-                },
-            }
-        },
-    )
+fn torn((dir, at): (Dir, f64)) -> String {
+    format!("torn at {dir} = {}: it jumps there", number(at, 6))
+}
+
+/// The names of a shell's surfaces; of many, the first and their number.
+fn members(shell: &Shell, named: &[&NamedSurface]) -> String {
+    const MOST: usize = 4;
+    let names = shell.surfaces.iter().take(MOST);
+    let names: Vec<&str> = names.map(|f| named[f.0].name.as_str()).collect();
+    let more = shell.surfaces.len().saturating_sub(MOST);
+    if more > 0 {
+        format!("{} and {more} more", names.join(", "))
+    } else {
+        names.join(", ")
+    }
+}
+
+/// Which way the normals of a shell point.
+fn facing(shell: &Shell) -> &'static str {
+    let inwards = shell.surfaces.iter().filter(|f| f.1).count();
+    if inwards == 0 {
+        "the normals point outwards"
+    } else if inwards == shell.surfaces.len() {
+        "the normals point inwards"
+    } else {
+        "the normals of some surfaces point inwards, of others outwards"
+    }
+}
+
+/// True if the boxes around the shells, as far as they may be too small, have nothing in common.
+fn are_apart(shells: &[Shell], facts: &[SurfaceFacts]) -> bool {
+    let around = |k: usize| {
+        let e = facts[k].extent.as_ref()?;
+        let Certainty::Bounded(error) = e.certainty.and(Certainty::Bounded(0.0)) else {
+            return None;
+        };
+        Some(Box3::from(e.hull.to_array().map(|i| i.inflate(error))))
+    };
+    let boxes: Option<Vec<Box3>> = shells
+        .iter()
+        .map(|s| {
+            let all: Option<Vec<Box3>> = s.surfaces.iter().map(|f| around(f.0)).collect();
+            all?.into_iter().reduce(Box3::hull)
+        })
+        .collect();
+    let meet = |a: &Box3, b: &Box3| {
+        let pairs = a.to_array().into_iter().zip(b.to_array());
+        pairs
+            .into_iter()
+            .all(|(a, b): (Interval, Interval)| a.intersection(b).is_some())
+    };
+    match boxes {
+        Some(boxes) => (1..boxes.len()).all(|i| !boxes[..i].iter().any(|b| meet(b, &boxes[i]))),
+        None => shells.len() < 2,
+    }
 }
 
 fn whole(facts: &[SurfaceFacts]) -> Option<(Box3, Certainty)> {
@@ -408,6 +516,19 @@ fn range([least, greatest]: &[Extreme; 2]) -> String {
 
 fn measured_json(m: Measured) -> Value {
     json!({ "value": m.value, "certainty": certainty_json(m.certainty) })
+}
+
+fn shell_json(shell: &Shell, model: &Model) -> Value {
+    let names: Vec<&str> = model.output().map(|s| s.name.as_str()).collect();
+    let named = |inwards: bool| -> Vec<&str> {
+        let those = shell.surfaces.iter().filter(|f| f.1 == inwards);
+        those.map(|f| names[f.0]).collect()
+    };
+    json!({
+        "volume": measured_json(shell.volume),
+        "normals_outwards": named(false),
+        "normals_inwards": named(true),
+    })
 }
 
 fn extreme_json(e: Extreme) -> Value {

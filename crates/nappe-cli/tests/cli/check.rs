@@ -152,3 +152,55 @@ fn a_torn_surface_fails() {
     let text = String::from_utf8(run.stdout).unwrap();
     assert!(text.contains("torn at u = 0.5: it jumps there"), "{text}");
 }
+
+#[test]
+fn a_crossing_on_the_seam_of_a_closed_surface_fails() {
+    let rail = |z: u8| {
+        format!(
+            "{{ kind = \"expression\", x = \"sin(2*t)\", y = \"sin(t)\", z = \"{z}\", domain = [0, \"tau\"] }}"
+        )
+    };
+    let folder = Folder::with_model(&format!(
+        "[surfaces.eight]\nkind = \"ruled\"\nsouth = {}\nnorth = {}\n",
+        rail(0),
+        rail(1)
+    ));
+    let run = folder.nappe("check model.nappe.toml --format json");
+    assert_eq!(run.code, 1);
+    let json: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    let found = &json["passing_through"]["found"][0];
+    assert_eq!(found["is"], "cross");
+    // The branches have the slopes ±1/2.
+    let angle = found["angle"].as_f64().unwrap();
+    assert!((angle - 2.0 * 0.5f64.atan()).abs() < 1e-6, "{angle}");
+}
+
+#[test]
+fn a_bow_tie_fails_and_an_hourglass_is_told_to_touch_itself() {
+    let bow = Folder::with_model(
+        "[surfaces.bow]\nkind = \"bilinear\"\ncorners = [[[0, 0, 0], [1, 1, 0]], [[1, 0, 0], [0, 1, 0]]]\n",
+    );
+    let run = bow.nappe("check model.nappe.toml --format json");
+    assert_eq!(run.code, 1);
+    let json: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    let place = json["surfaces"][0]["folds"][0][1].as_f64().unwrap();
+    assert!((place - 0.5).abs() < 1e-6, "{place}");
+    for model in [
+        "kind = \"revolution\"\nprofile = { kind = \"polyline\", points = [[1, 0, 0], [0, 0, 1], [1, 0, 2]] }\n",
+        "kind = \"torus\"\nmajor = 1\nminor = 1\n",
+    ] {
+        let folder = Folder::with_model(&format!("[surfaces.glass]\n{model}"));
+        let run = folder.nappe("check model.nappe.toml");
+        assert!(
+            run.data()
+                .contains("= 0.5 is one point, where it touches itself"),
+            "{}",
+            run.data()
+        );
+        assert!(
+            run.data().contains("each other: none, proven"),
+            "{}",
+            run.data()
+        );
+    }
+}

@@ -108,3 +108,111 @@ fn other_files_are_refused_with_a_reason() {
         );
     }
 }
+
+/// Spheres by their radius and the x of their centre.
+fn spheres(all: &[(f64, f64)]) -> Folder {
+    let sphere = |(k, (radius, x)): (usize, &(f64, f64))| {
+        format!(
+            "[surfaces.ball_{k}]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [{radius:?}]\ncenter = [{x:?}, 0, 0]\n"
+        )
+    };
+    let all: String = all.iter().enumerate().map(sphere).collect();
+    Folder::with_model(&all)
+}
+
+#[test]
+fn the_volumes_of_shells_are_added_only_beside_each_other() {
+    let ball = |r: f64| 4.0 / 3.0 * PI * r * r * r;
+    // Across each other, one inside the other, and side by side.
+    for (other, added) in [((1.0, 0.5), false), ((0.5, 0.0), false), ((0.5, 3.0), true)] {
+        let folder = spheres(&[(1.0, 0.0), other]);
+        let info = json(&folder, "");
+        let shells = info["shells"].as_array().unwrap();
+        assert_eq!(shells.len(), 2);
+        for (shell, r) in shells.iter().zip([1.0, other.0]) {
+            assert_measured(&shell["volume"], ball(r));
+        }
+        let text = folder.nappe("info model.nappe.toml");
+        if added {
+            assert_measured(&info["volume"], ball(1.0) + ball(0.5));
+            assert!(text.data().contains("in 2 shells beside each other"));
+        } else {
+            assert_eq!(info["volume"], Value::Null);
+            assert!(
+                text.data().contains("of 2 shells, not added"),
+                "{}",
+                text.data()
+            );
+            assert!(!text.data().contains("enclosed"), "{}", text.data());
+        }
+    }
+}
+
+#[test]
+fn a_cube_of_six_faces_turned_anyhow_has_its_volume() {
+    let corner = |k: usize| [k & 1, k >> 1 & 1, k >> 2];
+    // Each face with u and v along the other two axes: opposite faces have the same normal.
+    let mut model = String::new();
+    for axis in 0..3 {
+        let [a, b] = [(axis + 1) % 3, (axis + 2) % 3].map(|d| 1 << d);
+        for at in [0, 1 << axis] {
+            let p = [at, at + b, at + a, at + a + b].map(corner);
+            model += &format!(
+                "[surfaces.face_{axis}_{at}]\nkind = \"bilinear\"\ncorners = [[{:?}, {:?}], [{:?}, {:?}]]\n",
+                p[0], p[1], p[2], p[3]
+            );
+        }
+    }
+    let info = json(&Folder::with_model(&model), "");
+    assert_measured(&info["volume"], 1.0);
+    let shells = info["shells"].as_array().unwrap();
+    assert_eq!(shells.len(), 1);
+    for normals in ["normals_outwards", "normals_inwards"] {
+        assert_eq!(shells[0][normals].as_array().unwrap().len(), 3);
+    }
+}
+
+#[test]
+fn a_torn_surface_has_neither_area_nor_volume() {
+    let rail = |y: u8| {
+        format!("{{ kind = \"expression\", x = \"t\", y = \"{y}\", z = \"if(t < 0.5, 0, 1)\" }}")
+    };
+    let folder = Folder::with_model(&format!(
+        "[surfaces.step]\nkind = \"ruled\"\nsouth = {}\nnorth = {}\n",
+        rail(0),
+        rail(1)
+    ));
+    let info = json(&folder, "");
+    assert_eq!(
+        (&info["area"], &info["volume"]),
+        (&Value::Null, &Value::Null)
+    );
+    let torn = serde_json::json!({ "dir": "u", "at": 0.5 });
+    assert_eq!(info["surfaces"][0]["torn"], torn);
+    let run = folder.nappe("info model.nappe.toml");
+    assert!(
+        run.data().contains("`step` is torn at u = 0.5"),
+        "{}",
+        run.data()
+    );
+}
+
+#[test]
+fn info_and_check_agree_on_what_is_closed() {
+    // A slit of 0.0001° is closed by the mesh; one of 1° is not.
+    for (to, closed) in [("359.9999deg", true), ("359deg", false)] {
+        let folder = Folder::with_model(&format!(
+            "[surfaces.ball]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [1]\nrange = {{ u = [\"0deg\", \"{to}\"] }}\n"
+        ));
+        let info = json(&folder, "");
+        assert_eq!(info["surfaces"][0]["closed_u"], closed);
+        assert_eq!(info["volume"].is_null(), !closed);
+        let run = folder.nappe("check model.nappe.toml --format json");
+        let check: Value = serde_json::from_slice(&run.stdout).unwrap();
+        assert_eq!(check["open_sides"].as_array().unwrap().is_empty(), closed);
+        if closed {
+            // The slit is no part of the surface: the bound covers what closes it.
+            assert_measured(&info["volume"], 4.0 / 3.0 * PI);
+        }
+    }
+}

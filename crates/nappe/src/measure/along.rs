@@ -66,7 +66,12 @@ pub(super) struct Fields {
 impl Fields {
     /// The series in t of the derivative that is the a-th along and the b-th across.
     pub(super) fn series(&self, a: usize, b: usize) -> Vector {
-        let d: Vec<[Interval; 3]> = (0..=ORDER)
+        self.series_to(ORDER, a, b)
+    }
+
+    /// The same to another order: together with a and b at most the orders of the fields and [`ORDER`].
+    pub(super) fn series_to(&self, order: usize, a: usize, b: usize) -> Vector {
+        let d: Vec<[Interval; 3]> = (0..=order)
             .map(|k| {
                 let (i, j) = match self.along {
                     Dir::U => (a + k, b),

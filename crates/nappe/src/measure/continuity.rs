@@ -332,8 +332,10 @@ impl<'a> Pair<'a> {
         }
         let inner = t.mid();
         let (fields, _) = self.fields(Interval::point(inner), Limit::Above, 1);
-        let [a, b] = fields.map(|f| middle(&f.normal()));
-        let found = a.cross(b).length().atan2(a.dot(b) * self.sign);
+        // What is certain: beside a pole the middle of an enclosure would be rounding errors.
+        let [a, b] = fields.map(|f| Box3::from(f.normal().map(|s| s.c[0])));
+        let cos = (a.dot(b) * Interval::point(self.sign)).hi;
+        let found = a.cross(b).norm().lo.atan2(cos);
         Part {
             upper,
             found: if found.is_finite() { found } else { 0.0 },

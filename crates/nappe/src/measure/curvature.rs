@@ -5,6 +5,7 @@ use super::search::{End, Extreme, Quantities, Search, SearchOptions};
 use super::shape::{Shape, ShapeForm};
 use super::size;
 use super::taylor::Taylor;
+use crate::breaks::Limit;
 use crate::interval::Interval;
 use crate::mesh::Certainty;
 use crate::surface::{Surface, SurfaceJet};
@@ -73,6 +74,8 @@ pub fn curvature(jet: &SurfaceJet) -> Option<Curvature> {
 struct Curvatures<'a> {
     surface: &'a dyn Surface,
     size: f64,
+    /// The longest tangents along u and v that samples found.
+    longest: [f64; 2],
 }
 
 const GAUSSIAN: usize = 0;
@@ -83,17 +86,32 @@ const K2: usize = 3;
 /// of planes would be searched; larger, and faint curvature would be found coarsely.
 const FLAT: f64 = 1e-6;
 
-/// Where a tangent amounts to less than this part of the size no curvature is sampled: it is divided by its square, which
-/// leaves 10 of 16 digits at 10⁻³. Smaller, and rounding beside a pole would pass for curvature; larger, and the samples
+/// Where a tangent is shorter than this part of the longest along the same parameter no curvature is sampled: it is divided
+/// by its square, which leaves 10 of 16 digits at 10⁻³. (A needle is thin everywhere: that is no pole.) Smaller, and rounding beside a pole would pass for curvature; larger, and the samples
 /// would miss what is in a pole.
 const CLEAR: f64 = 1e-3;
+
+/// Samples in each direction for the longest tangents.
+const LINES: usize = 9;
+
+/// The longest tangents along u and v at samples inside.
+fn longest(surface: &dyn Surface) -> [f64; 2] {
+    let domain = surface.domain();
+    let at =
+        |d: usize, k: usize| domain[d].lo + domain[d].width() * (k as f64 + 0.5) / LINES as f64;
+    let mut longest = [0.0f64; 2];
+    for k in 0..LINES * LINES {
+        let jet = surface.jet([at(0, k / LINES), at(1, k % LINES)], [Limit::Above; 2], 1);
+        longest = [0, 1].map(|d| longest[d].max(jet.d[1 + d].length()));
+    }
+    longest
+}
 
 impl Quantities<4> for Curvatures<'_> {
     const ORDER: usize = 2;
 
     fn values(&self, jet: &SurfaceJet) -> Option<[f64; 4]> {
-        let domain = self.surface.domain();
-        let short = |d: usize| jet.d[1 + d].length() * domain[d].width() < CLEAR * self.size;
+        let short = |d: usize| jet.d[1 + d].length() < CLEAR * self.longest[d];
         if short(0) || short(1) {
             return None;
         }
@@ -184,7 +202,11 @@ pub fn curvature_extremes(
     options: &SearchOptions,
 ) -> Option<CurvatureExtremes> {
     let size = size(surface);
-    let curvatures = Curvatures { surface, size };
+    let curvatures = Curvatures {
+        surface,
+        size,
+        longest: longest(surface),
+    };
     let mut search = Search::new(surface, &curvatures);
     let apexes = apexes(surface, size);
     let mut find = |quantity, end: End| {

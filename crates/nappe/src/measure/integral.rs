@@ -40,6 +40,32 @@ pub struct Measured {
     pub certainty: Certainty,
 }
 
+impl std::iter::Sum for Measured {
+    /// The errors add up, and the sum is no more certain than its parts.
+    fn sum<I: Iterator<Item = Measured>>(parts: I) -> Self {
+        let none = Measured {
+            value: 0.0,
+            certainty: Certainty::Exact,
+        };
+        parts.fold(none, |a, b| {
+            let value = a.value + b.value;
+            let rounding = (value.next_up() - value).max(value - value.next_down());
+            let e = a.certainty.error() + b.certainty.error();
+            let e = if a.value == 0.0 || b.value == 0.0 {
+                e
+            } else {
+                (e + rounding).next_up()
+            };
+            let certainty = match a.certainty.and(b.certainty) {
+                Certainty::Exact if e == 0.0 => Certainty::Exact,
+                Certainty::Exact | Certainty::Bounded(_) => Certainty::Bounded(e),
+                Certainty::Estimated(_) => Certainty::Estimated(e),
+            };
+            Measured { value, certainty }
+        })
+    }
+}
+
 /// The degree d. Higher degrees need fewer boxes but each costs more.
 const DEGREE: usize = 8;
 /// Radians. Over a box where tangents or normal turn more, no root or quotient can be expanded.

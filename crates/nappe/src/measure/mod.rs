@@ -1,5 +1,5 @@
 //! Numbers of surfaces: curvature, area, volume, extent, continuity along shared sides, regularity. Each says how far it
-//! may be from the truth.
+//! may be from the truth. And what is wrong with them: tears, folds, surfaces that pass through themselves.
 
 use crate::box3::Box3;
 use crate::surface::Surface;
@@ -7,6 +7,7 @@ use crate::surface::Surface;
 mod along;
 mod apex;
 mod area;
+mod bodies;
 mod continuity;
 mod crease;
 mod curvature;
@@ -14,13 +15,17 @@ mod extent;
 mod integral;
 mod jump;
 mod overlap;
+mod pinch;
 mod regularity;
 mod search;
 mod shape;
 mod strip;
 mod taylor;
+mod tear;
+mod volume;
 
-pub use area::{VolumeError, area, volume};
+pub use area::area;
+pub use bodies::bodies;
 pub use continuity::{Continuity, SideOf, Smoothness, continuity};
 pub use crease::{Crease, creases};
 pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes};
@@ -28,8 +33,11 @@ pub use extent::{Extent, extent};
 pub use integral::{IntegralOptions, Measured};
 pub use jump::{Jump, JumpOptions};
 pub use overlap::{Meeting, Overlap, OverlapOptions, Overlaps, overlaps};
+pub use pinch::{Pinch, pinches};
 pub use regularity::{Regularity, regularity};
 pub use search::{Extreme, SearchOptions};
+pub use tear::tear;
+pub use volume::{Shell, VolumeError, shells, volume};
 
 /// How large a surface is: the diagonal of a box around points of it. Enclosures of a whole domain may be much larger than
 /// the surface, or infinite.

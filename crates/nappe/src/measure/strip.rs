@@ -4,7 +4,7 @@
 //! the gap; its area is at most `∫ |a - b∘φ| ½ (|a'| + |(b∘φ)'|) dt`. The border that is left consists of the segments
 //! from `a` to `b∘φ` at the ends, and of what φ leaves out of b or passes twice where its pieces do not meet exactly.
 
-use super::along::{Along, Vector};
+use super::along::{Along, ORDER, Vector, taylor};
 use super::continuity::{Pair, SideOf, enclose};
 use crate::box3::Box3;
 use crate::breaks::Limit;
@@ -14,6 +14,9 @@ use crate::mesh::shared::{Edge, matching};
 /// The most parts of a joint, and the parts of a whole side where its length is bounded.
 const PARTS: usize = 512;
 const LENGTH_PARTS: usize = 16;
+
+/// The order of the Taylor forms of a side's speed: a pole of a rational surface is all the closer a point.
+const LENGTH_ORDER: usize = 10;
 
 /// Proven bounds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -96,36 +99,60 @@ fn between(pair: &Pair, t: Interval) -> [f64; 2] {
 
 /// The greatest speed along a side.
 fn greatest_speed(a: &Along) -> Interval {
-    speeds(a)
-        .iter()
-        .fold(Interval::ZERO, |s, (_, v)| s.hull(*v))
+    let parts = speeds(a, LENGTH_PARTS);
+    parts.iter().fold(Interval::ZERO, |s, p| s.hull(p.1))
 }
 
-/// An upper bound of the length of a side.
-pub(super) fn length(side: SideOf) -> f64 {
+/// An upper bound of the length of a side, bounded more closely until it is at most `enough` or the work is done.
+pub(super) fn length(side: SideOf, enough: f64) -> f64 {
     let a = Along {
         edge: Edge::new(side.0, side.1),
     };
-    let sum = speeds(&a).iter().fold(Interval::ZERO, |s, &(t, v)| {
-        s + v * (Interval::point(t.hi) - Interval::point(t.lo))
-    });
-    sum.hi
+    let mut parts = LENGTH_PARTS;
+    loop {
+        let sum = speeds(&a, parts).iter().fold(Interval::ZERO, |s, &(t, v)| {
+            s + v * (Interval::point(t.hi) - Interval::point(t.lo))
+        });
+        if sum.hi <= enough || parts >= PARTS {
+            return sum.hi;
+        }
+        parts *= 2;
+    }
 }
 
-/// Parts of a side with their speeds.
-fn speeds(a: &Along) -> Vec<(Interval, Interval)> {
+/// Parts of a side, so many for each analytic piece, with their speeds.
+fn speeds(a: &Along, parts: usize) -> Vec<(Interval, Interval)> {
     let breaks = a.breaks();
     let mut out = Vec::new();
     for w in breaks.windows(2) {
-        let at = |k: usize| match k {
-            LENGTH_PARTS => w[1],
-            _ => w[0] + (w[1] - w[0]) * k as f64 / LENGTH_PARTS as f64,
+        let at = |k: usize| {
+            if k == parts {
+                w[1]
+            } else {
+                w[0] + (w[1] - w[0]) * k as f64 / parts as f64
+            }
         };
-        for k in 0..LENGTH_PARTS {
+        for k in 0..parts {
             let t = Interval::new(at(k), at(k + 1));
-            let r = a.fields(t, Limit::Above, 0).series(0, 0);
-            out.push((t, Box3::from([0, 1, 2].map(|i| r[i].c[1])).norm()));
+            out.push((t, speed(a, t)));
         }
     }
     out
+}
+
+/// The speed along a part, by Taylor's formula from its middle: beside a pole of a rational surface the terms of an
+/// enclosure over the whole part would not cancel.
+fn speed(a: &Along, t: Interval) -> Interval {
+    let m = t.mid();
+    let series = |t: Interval| {
+        let fields = a.fields(t, Limit::Above, LENGTH_ORDER - ORDER);
+        fields.series_to(LENGTH_ORDER, 0, 0)
+    };
+    let (at, over) = (series(Interval::point(m)), series(t));
+    let x = t - Interval::point(m);
+    let tangent = [0, 1, 2].map(|i| {
+        let (at, over) = (at[i].derivative(), over[i].derivative());
+        taylor(&at, &over, x, 0).meet(over.c[0])
+    });
+    Box3::from(tangent).norm()
 }

@@ -6,7 +6,7 @@ use crate::exact::NurbsSurface;
 use crate::interval::Interval;
 use glam::DVec3;
 use smallvec::SmallVec;
-use std::fmt::Debug;
+use std::fmt::{self, Debug};
 use std::sync::Arc;
 
 /// Inside `impl Surface for …`: evaluates through another surface that is the same map. Every method of the trait that
@@ -109,6 +109,15 @@ pub enum Dir {
     U,
     /// Along v.
     V,
+}
+
+impl fmt::Display for Dir {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Dir::U => "u",
+            Dir::V => "v",
+        })
+    }
 }
 
 /// The place of `∂ⁱᵤ∂ʲᵥ` in a surface jet: by total order, then by j. So 0: r; 1, 2: r_u, r_v; 3, 4, 5: r_uu, r_uv,

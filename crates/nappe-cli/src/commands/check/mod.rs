@@ -7,12 +7,12 @@ use crate::scene;
 use crate::screen::Screen;
 use crate::slits::JOINED;
 use crate::text::{Table, bound, number};
-use nappe::Breaks as _;
 use nappe::measure::{
     Continuity, Crease, Jump, JumpOptions, Regularity, Smoothness, continuity, creases, regularity,
+    tear,
 };
 use nappe::mesh::{Certainty, joints};
-use nappe::surface::{Dir, Side, SurfaceRef};
+use nappe::surface::{Side, SurfaceRef};
 use nappe_model::{Check, CheckTolerance, Model, NamedSurface};
 use passing::Passing;
 use serde_json::{Value, json};
@@ -33,7 +33,7 @@ mod passing;
 ///
 /// It fails (exit code 1) if a declared check is missed, or can be neither proven nor estimated to hold, if sides meet
 /// within the tolerance of the mesh but not closely enough to be joined, or if a surface is torn, folds over or passes
-/// through itself. Two surfaces that pass through each other are told (•) but are no failure: a handle may well be stuck
+/// through itself. A line inside that is one point, where a surface only touches itself, is told. Two surfaces that pass through each other are told (•) but are no failure: a handle may well be stuck
 /// through a wall. The last line tells how many claims are only estimated and how many pairs are not decided.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
@@ -226,7 +226,7 @@ impl<'a> Findings<'a> {
         let declared = self.declared.iter().filter(|d| !d.verdict.passes()).count();
         let shared = self.shared.iter().filter(|s| !s.verdict.passes()).count();
         let broken = |s: &&(&NamedSurface, Regularity, Vec<Crease>)| {
-            !s.1.folds.is_empty() || tear(s.0).is_some()
+            !s.1.folds.is_empty() || tear(s.0.surface.as_ref()).is_some()
         };
         let broken = self.surfaces.iter().filter(broken).count();
         declared + shared + broken + self.passing.failures()
@@ -343,14 +343,16 @@ impl<'a> Findings<'a> {
     fn surface_table(&self) -> Table {
         let mut table = Table::headed(["", "surface", "tangent plane", "creases", "poles"]);
         for (s, r, creases) in &self.surfaces {
-            let torn = tear(s);
+            let torn = tear(s.surface.as_ref());
             let mark = if r.folds.is_empty() && torn.is_none() {
                 "✓"
             } else {
                 "✗"
             };
-            let state = if let Some((name, at)) = torn {
-                format!("torn at {name} = {}: it jumps there", number(at, 6))
+            let state = if let Some((dir, at)) = torn {
+                format!("torn at {dir} = {}: it jumps there", number(at, 6))
+            } else if !r.pinches.is_empty() && r.folds.is_empty() {
+                pinched(r)
             } else if r.regular {
                 "in every piece, proven".to_owned()
             } else if !r.folds.is_empty() {
@@ -428,12 +430,17 @@ impl<'a> Findings<'a> {
                 json!({
                     "name": s.name,
                     "regular": r.regular,
-                    "torn": tear(s).map(|(name, at)| json!({"dir": name, "at": at})),
+                    "torn": tear(s.surface.as_ref())
+                        .map(|(dir, at)| json!({ "dir": dir.to_string(), "at": at })),
                     "creases": creases
                         .iter()
-                        .map(|c| json!({"dir": if c.dir == Dir::U { "u" } else { "v" }, "at": c.at, "angle": c.angle, "uv": c.uv}))
+                        .map(|c| json!({"dir": c.dir.to_string(), "at": c.at, "angle": c.angle, "uv": c.uv}))
                         .collect::<Vec<_>>(),
                     "collapsed_sides": r.collapsed.iter().map(|s| s.name()).collect::<Vec<_>>(),
+                    "pinches": r.pinches
+                        .iter()
+                        .map(|p| json!({ "dir": p.dir.to_string(), "at": p.at, "point": p.point.to_array() }))
+                        .collect::<Vec<_>>(),
                     "folds": r.folds,
                     "degenerate": r.degenerate,
                 })
@@ -514,17 +521,28 @@ fn shown(c: Certainty, unit: f64, symbol: &str) -> String {
     }
 }
 
-/// The first parameter at which a surface jumps, if it does.
-fn tear(s: &NamedSurface) -> Option<(&'static str, f64)> {
-    [(Dir::U, "u"), (Dir::V, "v")]
-        .into_iter()
-        .find_map(|(dir, name)| Some((name, s.surface.breaks(dir).tear()?)))
+/// What is said of a surface with lines that are one point.
+fn pinched(r: &Regularity) -> String {
+    let lines: Vec<String> = r
+        .pinches
+        .iter()
+        .map(|p| format!("{} = {}", p.dir, number(p.at, 6)))
+        .collect();
+    let rest = match (r.regular, r.degenerate.is_empty()) {
+        (true, _) => "; elsewhere proven".to_owned(),
+        (false, true) => "; elsewhere proven, but not close to it".to_owned(),
+        (false, false) => format!("; none, or not proven, at {}", places(&r.degenerate)),
+    };
+    format!(
+        "{} is one point, where it touches itself{rest}",
+        lines.join(", ")
+    )
 }
 
 fn crease(c: &Crease) -> String {
-    let name = if c.dir == Dir::U { "u" } else { "v" };
     format!(
-        "{name} = {} ({}°)",
+        "{} = {} ({}°)",
+        c.dir,
         number(c.at, 6),
         number(c.angle.to_degrees(), 4)
     )

@@ -60,8 +60,13 @@ impl Passing {
         for o in &self.all.found {
             let [a, b] = self.pair(o);
             let point = o.point.to_array().map(|x| number(x, 5)).join(", ");
-            let uv =
-                o.uv.map(|p| format!("({})", p.map(|x| number(x, 4)).join(", ")));
+            let mut uv: Vec<String> =
+                o.uv.iter()
+                    .map(|p| format!("({})", p.map(|x| number(x, 4)).join(", ")))
+                    .collect();
+            if o.uv[0] == o.uv[1] && o.surfaces[0] == o.surfaces[1] {
+                uv.pop();
+            }
             table.row([
                 (if fails(o) { "✗" } else { "•" }).to_owned(),
                 format!("{a} – {b}"),
@@ -90,6 +95,10 @@ impl Passing {
             ),
             Meeting::Overlaps => "have an area in common, found".to_owned(),
             Meeting::Touches => "touch; that they cross is not excluded".to_owned(),
+            // One place of one surface: not two that come near each other.
+            Meeting::Undecided { .. } if o.surfaces[0] == o.surfaces[1] && o.uv[0] == o.uv[1] => {
+                "not decided beside this place".to_owned()
+            }
             Meeting::Undecided { distance } => {
                 format!(
                     "not decided; these places are {} {} apart",

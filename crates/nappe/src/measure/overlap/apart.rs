@@ -105,8 +105,8 @@ fn across(trees: [&Tree; 2], [x, y]: [&Node; 2], seam: &Seam, contact: f64) -> b
 
 fn around(trees: [&Tree; 2], [x, y]: [&Node; 2], [p, q]: &[Place; 2], contact: f64) -> bool {
     let (Some(x), Some(y)) = (
-        trees[0].grow(x, p.reach(x.uv)),
-        trees[1].grow(y, q.reach(y.uv)),
+        p.reach(x.uv).and_then(|uv| trees[0].grow(x, uv)),
+        q.reach(y.uv).and_then(|uv| trees[1].grow(y, uv)),
     ) else {
         return false;
     };

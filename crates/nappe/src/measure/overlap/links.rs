@@ -1,8 +1,9 @@
 //! What two surfaces, or a surface with itself, are meant to have in common.
 
+use super::meet::ON_SIDE;
 use super::tree::{Node, Tree};
 use crate::box3::Box3;
-use crate::breaks::Breaks;
+use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
 use crate::measure::along::Along;
 use crate::measure::continuity::{Cell, Pair};
@@ -41,14 +42,9 @@ impl Border {
     /// The rectangle grown up to the line; `None` if it lies beyond the line.
     pub(super) fn reach(&self, uv: [Interval; 2]) -> Option<[Interval; 2]> {
         let t = uv[self.across];
-        let beyond = if self.below {
-            t.hi > self.at
-        } else {
-            t.lo < self.at
-        };
         let mut grown = uv;
         grown[self.across] = toward(t, self.at, self.below);
-        (!beyond).then_some(grown)
+        (!is_beyond(t, self.at, self.below)).then_some(grown)
     }
 
     /// The tangents across the line, into the surface.
@@ -68,12 +64,25 @@ impl Border {
         if self.across == 0 { [at, t] } else { [t, at] }
     }
 
-    /// How far a point of the surface is from the point of the line with the same parameter along it.
-    fn distance(&self, surface: &dyn Surface, uv: [f64; 2]) -> f64 {
-        let on = self
-            .with(Interval::point(uv[1 - self.across]))
-            .map(|t| t.lo);
-        surface.point(uv).distance(surface.point(on))
+    /// How large the part of the surface is between a point and the point of the line with the same parameter along it.
+    /// (The distance in space would not do: another sheet may come near the line.)
+    fn part(&self, surface: &dyn Surface, uv: [f64; 2]) -> f64 {
+        let mut strip = uv.map(Interval::point);
+        strip[self.across] = Interval::new(self.at, self.at).hull(strip[self.across]);
+        surface.bounds(strip).diagonal()
+    }
+
+    /// The tangents along the line and across it, into the surface, at a point.
+    fn frame(&self, surface: &dyn Surface, t: f64) -> [DVec3; 2] {
+        let limit = if self.below {
+            Limit::Below
+        } else {
+            Limit::Above
+        };
+        let uv = self.with(Interval::point(t)).map(|t| t.lo);
+        let jet = surface.jet(uv, [limit; 2], 1);
+        let sign = if self.below { -1.0 } else { 1.0 };
+        [jet.d[2 - self.across], jet.d[1 + self.across] * sign]
     }
 }
 
@@ -99,6 +108,31 @@ impl Seam {
             .or_insert_with(|| self.borders[0].tangent(surface, range))
     }
 
+    /// The parameter on the other side of the point at `t` of side `e`.
+    fn partner(&self, e: usize, t: f64) -> Option<f64> {
+        if self.cells.is_empty() {
+            return Some(t);
+        }
+        if e == 1 {
+            return self.back(Interval::point(t)).map(Interval::mid);
+        }
+        let cell = self.cells.iter().find(|c| c.t.contains(t))?;
+        Some(cell.series(Interval::point(t)).c[0].mid())
+    }
+
+    /// True if both points are within `contact` of corresponding points of the sides, on the surfaces.
+    fn explains(&self, surfaces: [&dyn Surface; 2], uv: [[f64; 2]; 2], contact: f64) -> bool {
+        let near = |i: usize| self.borders[i].part(surfaces[i], uv[i]) <= contact;
+        let along = |i: usize| uv[i][1 - self.borders[i].across];
+        near(0)
+            && near(1)
+            && self.partner(1, along(1)).is_some_and(|t| {
+                let between =
+                    self.borders[0].with(Interval::new(t, t).hull(Interval::point(along(0))));
+                surfaces[0].bounds(between).diagonal() <= contact
+            })
+    }
+
     /// A range of the first side's parameter that contains all that correspond to a range of the second's.
     pub(super) fn back(&self, t: Interval) -> Option<Interval> {
         if self.cells.is_empty() {
@@ -111,10 +145,10 @@ impl Seam {
     }
 }
 
-/// A corner, or a side that is one point.
+/// A corner, or a line that is one point: a side, or one side of a line inside.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
-    /// The ends of u and v: the parameter and whether the surface has smaller ones. `None` along a side that is a point.
+    /// The ends of u and v: the parameter and whether the surface has smaller ones. `None` along a line that is a point.
     ends: [Option<(f64, bool)>; 2],
     pub(super) point: DVec3,
 }
@@ -128,15 +162,24 @@ impl Place {
             let at = if upper { domain[d].hi } else { domain[d].lo };
             (at, upper)
         };
-        for side in &tree.poles {
-            let mut ends = [None; 2];
-            ends[side.across() as usize] = Some(end(side.across() as usize, side.is_upper()));
-            let uv = [0, 1].map(|d| ends[d].map_or(domain[d].lo, |e| e.0));
-            let point = tree.surface.point(uv);
-            found.push(Place { ends, point });
+        for line in &tree.poles {
+            for below in [false, true] {
+                let inside = if below {
+                    line.at > domain[line.across].lo
+                } else {
+                    line.at < domain[line.across].hi
+                };
+                if inside {
+                    let mut ends = [None; 2];
+                    ends[line.across] = Some((line.at, below));
+                    let uv = [0, 1].map(|d| ends[d].map_or(domain[d].lo, |e| e.0));
+                    let point = tree.surface.point(uv);
+                    found.push(Place { ends, point });
+                }
+            }
         }
         for corner in Corner::ALL {
-            if corner.sides().iter().any(|s| tree.poles.contains(s)) {
+            if corner.sides().iter().any(|&s| tree.is_pole(s)) {
                 continue;
             }
             let upper = corner.ends().map(|k| k == 1);
@@ -150,13 +193,31 @@ impl Place {
         found
     }
 
-    /// The rectangle grown up to the place.
-    pub(super) fn reach(&self, uv: [Interval; 2]) -> [Interval; 2] {
-        [0, 1].map(|d| self.ends[d].map_or(uv[d], |(at, below)| toward(uv[d], at, below)))
+    /// The rectangle grown up to the place; `None` if it lies beyond a line inside.
+    pub(super) fn reach(&self, uv: [Interval; 2]) -> Option<[Interval; 2]> {
+        let mut grown = uv;
+        for d in 0..2 {
+            if let Some((at, below)) = self.ends[d] {
+                if is_beyond(uv[d], at, below) {
+                    return None;
+                }
+                grown[d] = toward(uv[d], at, below);
+            }
+        }
+        Some(grown)
     }
 
     fn meets(&self, x: &Node) -> bool {
-        self.reach(x.uv) == x.uv
+        self.reach(x.uv) == Some(x.uv)
+    }
+
+    /// How large the part of the surface is between a point and the place.
+    fn part(&self, surface: &dyn Surface, uv: [f64; 2]) -> f64 {
+        let between = [0, 1].map(|d| {
+            let t = Interval::point(uv[d]);
+            self.ends[d].map_or(t, |(at, _)| t.hull(Interval::point(at)))
+        });
+        surface.bounds(between).diagonal()
     }
 
     /// The tangents that lead into the surface, over a rectangle at the place.
@@ -168,6 +229,11 @@ impl Place {
         })
         .collect()
     }
+}
+
+/// True if a range reaches beyond an end.
+fn is_beyond(t: Interval, at: f64, below: bool) -> bool {
+    if below { t.hi > at } else { t.lo < at }
 }
 
 /// A range grown up to an end.
@@ -194,7 +260,7 @@ impl Links {
         for (i, s) in Side::ALL.into_iter().enumerate() {
             let from = if is_self { i + 1 } else { 0 };
             for t in Side::ALL.into_iter().skip(from) {
-                if !a.poles.contains(&s) && !b.poles.contains(&t) {
+                if !a.is_pole(s) && !b.is_pole(t) {
                     seams.extend(seam((a.surface, s), (b.surface, t), contact, rounding));
                 }
             }
@@ -252,16 +318,41 @@ impl Links {
         uv: [[f64; 2]; 2],
         contact: f64,
     ) -> bool {
-        let seam = |s: &Seam, k: [usize; 2]| {
-            (0..2).all(|i| s.borders[i].distance(surfaces[k[i]], uv[k[i]]) <= contact)
-        };
-        let place = |p: &[Place; 2], k: [usize; 2]| {
-            (0..2).all(|i| surfaces[k[i]].point(uv[k[i]]).distance(p[i].point) <= contact)
-        };
+        let turned = |k: [usize; 2]| (k.map(|i| surfaces[i]), k.map(|i| uv[i]));
         let both = |k: [usize; 2]| {
-            self.seams.iter().any(|s| seam(s, k)) || self.places.iter().any(|p| place(p, k))
+            let (surfaces, uv) = turned(k);
+            let place = |p: &[Place; 2]| (0..2).all(|i| p[i].part(surfaces[i], uv[i]) <= contact);
+            self.seams.iter().any(|s| s.explains(surfaces, uv, contact))
+                || self.places.iter().any(place)
         };
         both([0, 1]) || (self.is_self && both([1, 0]))
+    }
+
+    /// True if a surface passes through a sheet of its own with the unit normal `n` at a point `uv` of a seam: if the seam
+    /// does, or if the surface lies on either side of it beside the seam.
+    pub(super) fn passes(&self, surface: &dyn Surface, uv: [f64; 2], n: DVec3, least: f64) -> bool {
+        let passes = |s: &Seam, e: usize| {
+            let t = uv[1 - s.borders[e].across];
+            let Some(partner) = s.partner(e, t) else {
+                return false;
+            };
+            let height = |v: DVec3| v.normalize_or_zero().dot(n);
+            let [own, other] = [
+                s.borders[e].frame(surface, t),
+                s.borders[1 - e].frame(surface, partner),
+            ]
+            .map(|f| f.map(height));
+            own[0].abs() > least
+                || own[1].abs().min(other[1].abs()) > least && own[1] * other[1] < 0.0
+        };
+        self.is_self
+            && self.seams.iter().any(|s| {
+                (0..2).any(|e| {
+                    let b = &s.borders[e];
+                    (uv[b.across] - b.at).abs() <= ON_SIDE * surface.domain()[b.across].width()
+                        && passes(s, e)
+                })
+            })
     }
 }
 

@@ -1,5 +1,6 @@
 //! Places where two rectangles of parameters have a point in common: found by Newton's method, proven by Krawczyk's test.
 
+use super::links::Links;
 use crate::box3::Box3;
 use crate::breaks::Limit;
 use crate::interval::Interval;
@@ -18,7 +19,7 @@ const TRIALS: [f64; 4] = [1e-7, 1e-5, 1e-9, 1e-3];
 /// Sine of the angle between tangent planes below which a common point that is not proven counts as a touch.
 const TRANSVERSAL: f64 = 1e-4;
 /// Relative to the domain: nearer to its end a parameter is on a side.
-const ON_SIDE: f64 = 1e-7;
+pub(super) const ON_SIDE: f64 = 1e-7;
 /// The step, relative to the domain, at which the surroundings of a common point are looked at.
 const BESIDE: f64 = 1e-2;
 
@@ -86,7 +87,7 @@ impl Meet<'_> {
         None
     }
 
-    pub(super) fn classify(&self, root: &Root) -> Kind {
+    pub(super) fn classify(&self, root: &Root, links: &Links) -> Kind {
         let normals = [0, 1].map(|i| {
             normal_at(self.surfaces[i], root.uv[i], [Limit::Above; 2])
                 .vector()
@@ -94,8 +95,21 @@ impl Meet<'_> {
         });
         let cross = normals[0].cross(normals[1]).length();
         let angle = cross.atan2(normals[0].dot(normals[1]).abs());
-        if self.on_side(root) {
-            return Kind::Touches;
+        let on_side = [0, 1].map(|i| self.on_side(root, i));
+        if on_side != [false; 2] {
+            // A seam is inside the surface all the same.
+            let passes = |i: usize| {
+                !on_side[1 - i]
+                    && links.passes(self.surfaces[i], root.uv[i], normals[1 - i], TRANSVERSAL)
+            };
+            return if passes(0) || passes(1) {
+                Kind::Crosses {
+                    proven: false,
+                    angle,
+                }
+            } else {
+                Kind::Touches
+            };
         }
         if self.is_proven(root) {
             Kind::Crosses {
@@ -114,14 +128,12 @@ impl Meet<'_> {
         }
     }
 
-    fn on_side(&self, root: &Root) -> bool {
-        (0..2).any(|i| {
-            let domain = self.surfaces[i].domain();
-            (0..2).any(|d| {
-                let (t, all) = (root.uv[i][d], domain[d]);
-                let margin = ON_SIDE * all.width();
-                t < all.lo + margin || t > all.hi - margin
-            })
+    fn on_side(&self, root: &Root, i: usize) -> bool {
+        let domain = self.surfaces[i].domain();
+        (0..2).any(|d| {
+            let (t, all) = (root.uv[i][d], domain[d]);
+            let margin = ON_SIDE * all.width();
+            t < all.lo + margin || t > all.hi - margin
         })
     }
 

@@ -8,19 +8,20 @@ mod links;
 mod meet;
 mod tree;
 
+use super::pinch::pinches;
 use super::size;
+use super::tear::tear;
 use crate::box3::Box3;
-use crate::breaks::Breaks;
 use crate::interval::Interval;
 use crate::mesh::closing::SHARE;
 use crate::mesh::shared::Edge;
-use crate::surface::{Dir, Side, Surface, SurfaceRef};
+use crate::surface::{Side, Surface, SurfaceRef};
 use glam::DVec3;
 use links::Links;
 use meet::{Kind, Meet, Root};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
-use tree::{Node, Tree};
+use tree::{Line, Node, Tree};
 
 /// How closely to look.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +61,8 @@ pub enum Meeting {
     Touches,
     /// Neither a common point was found nor could one be excluded.
     Undecided {
-        /// The distance between the points at the place: they come at least as near as this.
+        /// The distance between the points at the place: they come at least as near as this. 0 with equal parameters
+        /// where it is not proven that a surface does not fold back beside one place.
         distance: f64,
     },
 }
@@ -100,8 +102,8 @@ const TRIED_AFTER: u32 = 4;
 /// How much more is looked at, relative to the budget, after surfaces were found to touch: they may cross elsewhere.
 const AFTER_TOUCH: usize = 10;
 
-/// Looks for points that two surfaces, or two places of one surface, have in common, apart from shared sides, corners and
-/// poles. Two points of one surface with the same place but different parameters count as common.
+/// Looks for points that two surfaces, or two places of one surface, have in common, apart from shared sides, corners,
+/// poles and lines inside that are one point ([`pinches`](super::pinches)). Two points of one surface with the same place but different parameters count as common.
 ///
 /// That surfaces are apart is proven by interval arithmetic, within `options.contact` as said there. Where several
 /// proofs fail (surfaces that touch, or fold back sharply along a shared side) the place is given as undecided, never
@@ -126,11 +128,13 @@ pub fn overlaps(surfaces: &[SurfaceRef], options: &OverlapOptions) -> Overlaps {
 fn tree(surface: &dyn Surface) -> Tree<'_> {
     let size = size(surface);
     let is_pole = |s: &Side| Edge::new(surface, *s).is_collapsed(POLE * size);
-    Tree::new(
-        surface,
-        size,
-        Side::ALL.into_iter().filter(is_pole).collect(),
-    )
+    let sides = Side::ALL.into_iter().filter(is_pole);
+    let inside = pinches(surface).into_iter().map(|p| Line {
+        across: p.dir as usize,
+        at: p.at,
+    });
+    let poles = sides.map(|s| Line::side(surface, s)).chain(inside);
+    Tree::new(surface, size, poles.collect())
 }
 
 /// A pair of nodes to be looked at; the largest first, among equals the earliest.
@@ -173,7 +177,7 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
     let links = Links::between(&trees[i], &trees[j], is_self, contact, rounding);
     let surfaces = pair.map(|k| trees[k].surface);
     let meet = Meet { surfaces, rounding };
-    let torn = surfaces.iter().any(|s| is_torn(*s));
+    let torn = surfaces.iter().any(|s| tear(*s).is_some());
 
     let mut heap = BinaryHeap::new();
     let mut order = 0;
@@ -213,13 +217,14 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
             continue;
         }
         let is_same = is_self && top.nodes[0] == top.nodes[1];
-        if !is_same && top.halvings % TRIED_AFTER == TRIED_AFTER - 1 {
+        // Over a tear a point would be found beside itself; a torn surface is at fault anyway.
+        if !(is_same || torn && is_self) && top.halvings % TRIED_AFTER == TRIED_AFTER - 1 {
             let explained = |r: &Root| {
                 (is_self && part(surfaces[0], r.uv) <= contact)
                     || links.explain(surfaces, r.uv, contact)
             };
             if let Some(root) = meet.find([x.uv, y.uv]).filter(|r| !explained(r)) {
-                match meet.classify(&root) {
+                match meet.classify(&root, &links) {
                     Kind::Crosses { proven, angle } => {
                         return Some(result(&root, Meeting::Crosses { proven, angle }));
                     }
@@ -278,11 +283,6 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
 fn near(a: Box3, b: Box3) -> bool {
     let [a, b] = [a, b].map(Box3::to_array);
     (0..3).all(|k| a[k].intersection(b[k]).is_some())
-}
-
-fn is_torn(surface: &dyn Surface) -> bool {
-    let tear = |dir| surface.breaks(dir).tear().is_some();
-    tear(Dir::U) || tear(Dir::V)
 }
 
 /// The size of the part of a surface between two places.

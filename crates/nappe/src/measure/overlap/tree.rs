@@ -3,10 +3,28 @@
 use crate::box3::Box3;
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
+use crate::mesh::shared::Edge;
 use crate::surface::{Dir, Side, Surface, jet_index, normal_at};
 use glam::DVec3;
 use std::cell::RefCell;
 use std::collections::HashMap;
+
+/// A line of constant parameter.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Line {
+    /// The parameter that is constant: 0 for u, 1 for v.
+    pub(super) across: usize,
+    pub(super) at: f64,
+}
+
+impl Line {
+    pub(super) fn side(surface: &dyn Surface, side: Side) -> Self {
+        Self {
+            across: side.across() as usize,
+            at: Edge::new(surface, side).at,
+        }
+    }
+}
 
 /// A rectangle of parameters.
 #[derive(Clone, Copy, Debug)]
@@ -61,8 +79,8 @@ pub(super) struct Tree<'a> {
     pub(super) nodes: Vec<Node>,
     /// The node of the whole surface.
     pub(super) root: usize,
-    /// The sides that are one point.
-    pub(super) poles: Vec<Side>,
+    /// The sides and the lines inside that are one point.
+    pub(super) poles: Vec<Line>,
     /// Other rectangles that were asked for, by their ends.
     grown: RefCell<HashMap<[u64; 4], Node>>,
 }
@@ -71,8 +89,12 @@ pub(super) struct Tree<'a> {
 /// proof; smaller, and more and smaller rectangles would be looked at.
 const GROWTH: f64 = 4.0;
 
+/// Parts of a line around which a surface is narrow, for a part across of the width of its distance: with fewer the
+/// opposite parts around a point would not be told apart; with more there would be needlessly many.
+const AROUND: f64 = 4.0;
+
 impl<'a> Tree<'a> {
-    pub(super) fn new(surface: &'a dyn Surface, size: f64, poles: Vec<Side>) -> Self {
+    pub(super) fn new(surface: &'a dyn Surface, size: f64, poles: Vec<Line>) -> Self {
         let mut tree = Self {
             surface,
             size,
@@ -84,6 +106,10 @@ impl<'a> Tree<'a> {
         let pieces = [Dir::U, Dir::V].map(|d| surface.breaks(d).pieces());
         tree.root = tree.over([[0, pieces[0]], [0, pieces[1]]]);
         tree
+    }
+
+    pub(super) fn is_pole(&self, side: Side) -> bool {
+        self.poles.contains(&Line::side(self.surface, side))
     }
 
     /// The greatest coordinate: of the box around the surface, or if that is not bounded, of the points in the middles of
@@ -136,28 +162,24 @@ impl<'a> Tree<'a> {
 
     /// A node from its own enclosures.
     fn node(&self, uv: [Interval; 2]) -> Node {
-        let domain = self.surface.domain();
-        let touched: Vec<Side> = self
-            .poles
-            .iter()
-            .copied()
-            .filter(|s| {
-                let d = s.across() as usize;
-                if s.is_upper() {
-                    uv[d].hi >= domain[d].hi
-                } else {
-                    uv[d].lo <= domain[d].lo
-                }
-            })
-            .collect();
+        let touched = self.poles.iter().filter(|l| uv[l.across].contains(l.at));
+        let touched: Vec<&Line> = touched.collect();
         let jet = self
             .surface
             .enclose(uv, if touched.is_empty() { 1 } else { 2 });
         let tangents = [jet[1], jet[2]];
         let mut along = tangents;
-        if let [side] = touched[..] {
-            let sign = if side.is_upper() { -1.0 } else { 1.0 };
-            along[side.along() as usize] = jet[jet_index(1, 1)].scale(Interval::point(sign));
+        if let [line] = touched[..] {
+            // In the middle the factor changes its sign: nothing is proven.
+            let t = uv[line.across];
+            let sign = if line.at == t.lo {
+                Interval::ONE
+            } else if line.at == t.hi {
+                Interval::point(-1.0)
+            } else {
+                Interval::new(-1.0, 1.0)
+            };
+            along[1 - line.across] = jet[jet_index(1, 1)].scale(sign);
         }
         let m = uv.map(Interval::mid);
         Node {
@@ -189,15 +211,37 @@ impl<'a> Tree<'a> {
         )
     }
 
-    /// The halves of a node across its longer extent; `None` if it is too narrow to halve.
+    /// The parameter along which a node is longer in space. Around a line inside that is one point the surface is as
+    /// narrow as one likes: there rectangles are measured by their distance from the line.
+    fn longer(&self, node: &Node) -> usize {
+        let domain = self.surface.domain();
+        let width = |d: usize| node.uv[d].width();
+        let inside = |l: &&Line| domain[l.across].lo < l.at && l.at < domain[l.across].hi;
+        if let Some(line) = self.poles.iter().find(inside) {
+            let d = line.across;
+            let across = width(d) / ((node.uv[d].mid() - line.at).abs() + width(d));
+            let along = AROUND * width(1 - d) / domain[1 - d].width();
+            return if along > across { 1 - d } else { d };
+        }
+        let long = |d: usize| node.tangents[d].norm().hi * width(d);
+        usize::from(long(1) > long(0))
+    }
+
+    /// The halves of a node across its longer extent, or first at a line that is one point; `None` if it is too narrow to halve.
     pub(super) fn halve(&mut self, k: usize) -> Option<[usize; 2]> {
         let node = self.nodes[k];
         if node.halves.is_some() {
             return node.halves;
         }
-        let long = |d: usize| node.tangents[d].norm().hi * node.uv[d].width();
-        let d = usize::from(long(1) > long(0));
-        let (t, m) = (node.uv[d], node.uv[d].mid());
+        let inside = |l: &&Line| node.uv[l.across].lo < l.at && l.at < node.uv[l.across].hi;
+        let (d, m) = match self.poles.iter().find(inside) {
+            Some(line) => (line.across, line.at),
+            None => {
+                let d = self.longer(&node);
+                (d, node.uv[d].mid())
+            }
+        };
+        let t = node.uv[d];
         if m <= t.lo || m >= t.hi {
             return None;
         }

@@ -1,0 +1,304 @@
+//! The volume inside closed surfaces.
+
+use super::area::normal;
+use super::bodies::bodies;
+use super::integral::{IntegralOptions, Measured, estimate, integrate, measured};
+use super::strip::{length, strip};
+use super::taylor::{Patch, Taylor};
+use super::tear::tear;
+use crate::box3::Box3;
+use crate::interval::Interval;
+use crate::mesh::shared::Edge;
+use crate::mesh::{Certainty, Joint, Joints, joints};
+use crate::surface::{Dir, Side, Surface, SurfaceRef};
+use glam::DVec3;
+use thiserror::Error;
+
+/// Why surfaces enclose no volume.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+pub enum VolumeError {
+    /// A side meets no other.
+    #[error("surface {surface} is open along its {side} side: nothing within {weld:e} meets it")]
+    Open {
+        /// The index of the surface.
+        surface: usize,
+        /// The side.
+        side: Side,
+        /// The distance within which sides count as one.
+        weld: f64,
+    },
+    /// A surface jumps: what it encloses is not told from what flows through the slit.
+    #[error("surface {surface} is torn at {dir} = {at}: it jumps there")]
+    Torn {
+        /// The index of the surface.
+        surface: usize,
+        /// The parameter at which it jumps.
+        dir: Dir,
+        /// The value of the parameter.
+        at: f64,
+    },
+    /// Normals that agree along all shared sides are impossible, as on a Möbius strip.
+    #[error("surface {surface} and those it meets have only one side")]
+    OneSided {
+        /// The index of the surface.
+        surface: usize,
+    },
+    /// Two surfaces meet with opposite normals.
+    #[error(
+        "surface {} (its {} side) and surface {} (its {} side) have normals on different sides: turn one over",
+        first.0, first.1, second.0, second.1
+    )]
+    Orientation {
+        /// One surface and side.
+        first: (usize, Side),
+        /// The other.
+        second: (usize, Side),
+    },
+    /// More than two sides meet.
+    #[error("more than two sides meet along the {side} side of surface {surface}")]
+    Branched {
+        /// The index of the surface.
+        surface: usize,
+        /// The side.
+        side: Side,
+    },
+}
+
+/// The default distance within which sides count as one, relative to the box.
+const WELD: f64 = 1e-7;
+
+/// Closed surfaces that hang together along their sides.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Shell {
+    /// The indices of the surfaces, increasing; true if the normals of a surface point inwards.
+    pub surfaces: Vec<(usize, bool)>,
+    /// The volume inside, not negative but for its error. Of surfaces that pass through each other (see
+    /// [`overlaps`](super::overlaps)) each part counts as often as it is enclosed.
+    pub volume: Measured,
+}
+
+/// The shells that surfaces make together, each with its volume: `⅓ |∮ (r - c)·n dA|`. Shells may lie inside each other
+/// or cross: that is not looked at, so their volumes are not to be added without a thought.
+///
+/// The surfaces must be closed: each side meets exactly one other within `weld`, or is one point (`None`: 10⁻⁷ of the
+/// box; never more than a hundredth of the surface itself, see [`joints`]). Surfaces whose normals disagree are turned,
+/// first to agree with their neighbours, then so that the volume is positive.
+///
+/// The result is proven, for every way to close the gaps along the joints that adds no more area than ruled strips and
+/// cones: their area S is bounded along the whole of each joint by Taylor forms, and counts with `⅓ S R`, R being the
+/// greatest distance from c. It is an estimate where a surface cannot enclose its derivatives, or where no bound for a
+/// joint is found. Cost: `options.budget` boxes for each surface, some hundred enclosures for each joint.
+pub fn shells(
+    surfaces: &[SurfaceRef],
+    weld: Option<f64>,
+    options: &IntegralOptions,
+) -> Result<Vec<Shell>, VolumeError> {
+    let weld = weld.unwrap_or_else(|| WELD * hull(surfaces.iter()).diagonal());
+    let joined = closed(surfaces, weld)?;
+    let mut neighbours = vec![Vec::new(); surfaces.len()];
+    for j in &joined.joints {
+        let (a, b, turned) = (j.first.0, j.second.0, is_turned(j));
+        neighbours[a].push((b, turned));
+        neighbours[b].push((a, turned));
+    }
+    let bodies = bodies(&neighbours).map_err(|surface| VolumeError::OneSided { surface })?;
+    let shell = |body: Vec<(usize, bool)>| shell(surfaces, &joined, body, weld, options);
+    Ok(bodies.into_iter().map(shell).collect())
+}
+
+/// The volume that closed surfaces enclose, with the signs of their normals: `⅓ ∮ (r - c)·n dA`, positive if the normals
+/// point outwards. So a shell inside another, with normals that point into it, is a hollow.
+///
+/// As [`shells`], but the normals of neighbours must agree; checked.
+pub fn volume(
+    surfaces: &[SurfaceRef],
+    weld: Option<f64>,
+    options: &IntegralOptions,
+) -> Result<Measured, VolumeError> {
+    let shells = shells(surfaces, weld, options)?;
+    let mixed = |s: &&Shell| s.surfaces.iter().any(|f| f.1 != s.surfaces[0].1);
+    if let Some(shell) = shells.iter().find(mixed) {
+        let weld = weld.unwrap_or_else(|| WELD * hull(surfaces.iter()).diagonal());
+        let part = |k: usize| shell.surfaces.iter().any(|f| f.0 == k);
+        let wrong = joints(surfaces, weld).joints.into_iter();
+        if let Some(j) = wrong.filter(|j| part(j.first.0)).find(is_turned) {
+            return Err(VolumeError::Orientation {
+                first: j.first,
+                second: j.second,
+            });
+        }
+    }
+    let signed = shells.iter().map(|s| {
+        let inwards = s.surfaces.first().is_some_and(|f| f.1);
+        Measured {
+            value: if inwards {
+                -s.volume.value
+            } else {
+                s.volume.value
+            },
+            ..s.volume
+        }
+    });
+    Ok(signed.sum())
+}
+
+/// True if the surfaces on both sides of a joint have normals on different sides.
+fn is_turned(j: &Joint) -> bool {
+    // The border runs counter-clockwise: along u in the south, against v in the west.
+    let forward = |s: Side| matches!(s, Side::South | Side::East);
+    (forward(j.first.1) == forward(j.second.1)) != j.reversed
+}
+
+/// A box around surfaces.
+fn hull<'a>(surfaces: impl Iterator<Item = &'a SurfaceRef>) -> Box3 {
+    surfaces
+        .map(|s| s.bounds(s.domain()))
+        .reduce(Box3::hull)
+        .unwrap_or(Box3::ZERO)
+}
+
+/// The shell of surfaces that hang together.
+fn shell(
+    surfaces: &[SurfaceRef],
+    joined: &Joints,
+    mut body: Vec<(usize, bool)>,
+    weld: f64,
+    options: &IntegralOptions,
+) -> Shell {
+    body.sort_unstable();
+    let hull = hull(body.iter().map(|&(k, _)| &surfaces[k]));
+    let centre = if hull.is_finite() {
+        hull.mid()
+    } else {
+        DVec3::ZERO
+    };
+    let third = Interval::ONE / Interval::point(3.0);
+    let flux = |jet: &[Box3], degree: usize| {
+        let n = normal(jet, degree);
+        let terms = [0, 1, 2].map(|axis| {
+            let mut r = Taylor::coordinate(jet, axis, [0, 0], degree);
+            r.c[0] = r.c[0] - Interval::point(centre.to_array()[axis]);
+            r.mul(&n[axis])
+        });
+        terms[0].add(&terms[1]).add(&terms[2]).scale(third)
+    };
+    let integrand = |p: &Patch, degree: usize| [&p.wide, &p.at].map(|j| flux(j, degree));
+    let own: Vec<&dyn Surface> = body.iter().map(|&(k, _)| surfaces[k].as_ref()).collect();
+    let parts = integrate(&own, &integrand, options);
+    let mut sum = Interval::ZERO;
+    let mut proven = true;
+    for ((s, part), &(_, turned)) in own.iter().zip(parts).zip(&body) {
+        let part = if part.is_finite() {
+            part
+        } else {
+            let e = estimate(*s, &|d| (d[0] - centre).dot(d[1].cross(d[2])) / 3.0);
+            proven = false;
+            Interval::point(e.value).inflate(e.certainty.error())
+        };
+        sum = if turned { sum - part } else { sum + part };
+    }
+    let mut result = measured(sum);
+    if result.value < 0.0 {
+        result.value = -result.value;
+        body.iter_mut().for_each(|f| f.1 = !f.1);
+    }
+    let is_own = |k: usize| body.iter().any(|f| f.0 == k);
+    let joints: Vec<&Joint> = joined.joints.iter().filter(|j| is_own(j.first.0)).collect();
+    let sides = |&(k, _): &(usize, bool)| joined.collapsed[k].iter().map(move |&s| (k, s));
+    let points: Vec<(usize, Side)> = body.iter().flat_map(sides).collect();
+    let reach = 0.5 * hull.diagonal() * ROUND_UP + weld;
+    let enough = options.relative * result.value * STRIP_SHARE / reach;
+    let holes = holes(surfaces, &joints, &points, weld, enough);
+    let missing = holes.area * reach / 3.0;
+    let error = (result.certainty.error() + missing).next_up();
+    result.certainty = if proven && holes.proven && error.is_finite() {
+        Certainty::Bounded(error)
+    } else {
+        Certainty::Estimated(error)
+    };
+    Shell {
+        surfaces: body,
+        volume: result,
+    }
+}
+
+/// The share of the error that the strips between sides may have before they are bounded more closely. Larger, and they
+/// would spoil the result; smaller, and rounding errors would be measured.
+const STRIP_SHARE: f64 = 0.1;
+
+/// What is needed to close surfaces up.
+struct Holes {
+    area: f64,
+    proven: bool,
+}
+
+/// Strips along the joints, and what they leave open: segments in the corners and sides that are all but a point. That
+/// border is closed, of total length l: each of its loops bounds a cone from one of its points, at most l/2 away, so all
+/// cones together have an area of at most l²/4.
+fn holes(
+    surfaces: &[SurfaceRef],
+    joints: &[&Joint],
+    points: &[(usize, Side)],
+    weld: f64,
+    enough: f64,
+) -> Holes {
+    let mut holes = Holes {
+        area: 0.0,
+        proven: true,
+    };
+    let mut border = 0.0;
+    let side = |(surface, side): (usize, Side)| (surfaces[surface].as_ref(), side);
+    let each = enough / joints.len().max(1) as f64;
+    for j in joints {
+        match strip(side(j.first), side(j.second), weld, each) {
+            Some(s) => {
+                holes.area += s.area;
+                border += s.border;
+            }
+            None => {
+                holes.area += j.gap * j.length;
+                border += 2.0 * j.gap;
+                holes.proven = false;
+            }
+        }
+    }
+    // A border of length l adds l²/4: below this it is small enough.
+    let short = (4.0 * enough).sqrt() / points.len().max(1) as f64;
+    for &point in points {
+        border += length(side(point), short);
+    }
+    holes.area = (holes.area + 0.25 * border * border) * ROUND_UP;
+    holes
+}
+
+/// Covers the roundings of sums of positive numbers.
+const ROUND_UP: f64 = 1.0 + 1e-12;
+
+/// Checks that the surfaces close up; returns the joints.
+fn closed(surfaces: &[SurfaceRef], weld: f64) -> Result<Joints, VolumeError> {
+    for (surface, s) in surfaces.iter().enumerate() {
+        if let Some((dir, at)) = tear(s.as_ref()) {
+            return Err(VolumeError::Torn { surface, dir, at });
+        }
+    }
+    let found = joints(surfaces, weld);
+    for (surface, sides) in found.open.iter().enumerate() {
+        if let Some(&side) = sides.first() {
+            let edge = Edge::new(surfaces[surface].as_ref(), side);
+            return Err(VolumeError::Open {
+                surface,
+                side,
+                weld: edge.join_within(weld),
+            });
+        }
+    }
+    let mut seen: Vec<(usize, Side)> = Vec::new();
+    for j in &found.joints {
+        if seen.contains(&j.first) {
+            let (surface, side) = j.first;
+            return Err(VolumeError::Branched { surface, side });
+        }
+        seen.push(j.first);
+    }
+    Ok(found)
+}
