@@ -6,7 +6,9 @@ use nappe::exact::{NurbsCurve, NurbsSurface};
 use nappe::laws;
 use nappe::measure::{Continuity, JumpOptions, Smoothness, continuity, regularity};
 use nappe::mesh::{Certainty, joints};
-use nappe::surface::{Revolution, RevolutionOptions, Side, Surface, SurfaceRef};
+use nappe::surface::{
+    Quadric, QuadricOptions, QuadricShape, Revolution, RevolutionOptions, Side, Surface, SurfaceRef,
+};
 use nappe::{DMat3, DVec3, Frame};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -343,6 +345,30 @@ fn the_seam_of_a_full_turn_is_smooth() {
     let r = regularity(surfaces[0].as_ref(), &JumpOptions::default());
     assert_eq!(r.collapsed.len(), 2);
     assert!(r.regular, "{r:?}");
+}
+
+#[test]
+fn no_seam_that_ends_in_poles_has_an_angle_or_a_jump() {
+    // Also flat and thin ones, far from the origin: towards the poles there are rounding errors only.
+    for (axes, far) in [
+        ([1.0, 1.0, 1.0], 0.0),
+        ([2.0, 1.0, 30.0], 0.0),
+        ([200.0, 1.0, 0.03], 1e4),
+        ([1e3, 1e3, 1e-3], 0.0),
+        ([1e-6, 1e-6, 1e3], 0.0),
+    ] {
+        let options = QuadricOptions {
+            frame: Frame::along(v(0.09, 0.07, 1.0) * far, DVec3::Z).unwrap(),
+            ..Default::default()
+        };
+        let s = Quadric::new(QuadricShape::Ellipsoid, &axes, options).unwrap();
+        let c = measure(&s, Side::West, &s, Side::East, 1e-6);
+        assert!(
+            c.angle.found < 1e-6 && c.curvature.found < 1e-6,
+            "{axes:?}: {c:?}"
+        );
+        assert!(c.curvature.greatest.error() < 1e3, "{axes:?}: {c:?}");
+    }
 }
 
 #[test]

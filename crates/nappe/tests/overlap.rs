@@ -187,7 +187,14 @@ fn surfaces_that_touch_themselves_in_a_point_are_apart_elsewhere() {
             assert_eq!((r.pinches, r.folds), (found, Vec::new()));
             assert!(r.degenerate.is_empty(), "{:?}", r.degenerate);
         }
-        assert_apart(&[s]);
+        if at < 0.5 {
+            assert_apart(&[s]);
+        } else {
+            // Close to the point the tube of a horn torus is thinner than any distance: that may stay undecided.
+            let found = examined(&[s], 1e-2).found;
+            let open = |o: &Overlap| matches!(o.meeting, Meeting::Undecided { .. });
+            assert!(found.iter().all(open), "{found:?}");
+        }
     }
 }
 

@@ -17,6 +17,9 @@ const ENOUGH: [f64; 3] = [1e-13, 1e-10, 1e-9];
 /// A normal shorter than this part of the longest one along the edge, at an end of the edge, is taken for zero: the end
 /// is a pole. Larger, and narrow corners would count as poles; smaller, and rounding would hide poles.
 const POLE: f64 = 1e-10;
+/// Curvatures differ by at most twice the greatest. A bound of this many times the greatest found is that of rounding
+/// errors beside a pole, where curvature comes from 0/0: there nothing is proven.
+const NO_BOUND: f64 = 1e3;
 /// Parts with a cubic reparametrisation each, where the parameters of two sides do not correspond linearly.
 const CUBICS: usize = 128;
 
@@ -95,12 +98,23 @@ pub fn continuity(a: SideOf, b: SideOf, tol: f64, options: &JumpOptions) -> Opti
         ),
         angle: jump(greatest(&parts, |t| pair.angle(t), angle, options), 1.0),
         curvature: jump(
-            greatest(&parts, |t| pair.curvature(t), curvature * scale, options),
+            meaningful(
+                greatest(&parts, |t| pair.curvature(t), curvature * scale, options),
+                NO_BOUND * scale,
+            ),
             1.0 / scale,
         ),
         curvature_scale: scale,
         same_orientation: pair.same_orientation(),
     })
+}
+
+/// A bound of at least `most` bounds nothing: the result is an estimate.
+fn meaningful((certainty, best): (Certainty, Part), most: f64) -> (Certainty, Part) {
+    match certainty {
+        Certainty::Bounded(e) if e >= most => (Certainty::Estimated(best.found), best),
+        other => (other, best),
+    }
 }
 
 fn scaled(c: Certainty, factor: f64) -> Certainty {

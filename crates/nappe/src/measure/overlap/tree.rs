@@ -91,7 +91,7 @@ const GROWTH: f64 = 4.0;
 
 /// Parts of a line around which a surface is narrow, for a part across of the width of its distance: with fewer the
 /// opposite parts around a point would not be told apart; with more there would be needlessly many.
-const AROUND: f64 = 4.0;
+const AROUND: f64 = 2.0;
 
 impl<'a> Tree<'a> {
     pub(super) fn new(surface: &'a dyn Surface, size: f64, poles: Vec<Line>) -> Self {
