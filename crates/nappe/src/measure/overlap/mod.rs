@@ -205,15 +205,17 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
     };
     while let Some(top) = heap.pop() {
         let [x, y] = [trees[i].nodes[top.nodes[0]], trees[j].nodes[top.nodes[1]]];
+        // Quickly seen, and not counted: near a point where a surface touches itself there are many such pairs.
+        if is_one_place(surfaces, &x, &y, &links, contact) {
+            continue;
+        }
         if seen >= budget {
             left = left.or(Some([x, y]));
             break;
         }
         seen += 1;
         let both = [&trees[i], &trees[j]];
-        if (!torn && apart::apart(both, &x, &y, &links, contact))
-            || is_one_place(surfaces, &x, &y, &links, contact)
-        {
+        if !torn && apart::apart(both, &x, &y, &links, contact) {
             continue;
         }
         let is_same = is_self && top.nodes[0] == top.nodes[1];
