@@ -139,14 +139,7 @@ fn surfaces_that_pass_through_each_other_are_told_and_do_not_fail() {
 
 #[test]
 fn a_torn_surface_fails() {
-    let rail = |y: u8| {
-        format!("{{ kind = \"expression\", x = \"t\", y = \"{y}\", z = \"if(t < 0.5, 0, 1)\" }}")
-    };
-    let folder = Folder::with_model(&format!(
-        "[surfaces.step]\nkind = \"ruled\"\nsouth = {}\nnorth = {}\n",
-        rail(0),
-        rail(1)
-    ));
+    let folder = Folder::with_torn_surface();
     let run = folder.nappe("check model.nappe.toml");
     assert_eq!(run.code, 1, "{}", run.stderr);
     let text = String::from_utf8(run.stdout).unwrap();

@@ -174,14 +174,7 @@ fn a_cube_of_six_faces_turned_anyhow_has_its_volume() {
 
 #[test]
 fn a_torn_surface_has_neither_area_nor_volume() {
-    let rail = |y: u8| {
-        format!("{{ kind = \"expression\", x = \"t\", y = \"{y}\", z = \"if(t < 0.5, 0, 1)\" }}")
-    };
-    let folder = Folder::with_model(&format!(
-        "[surfaces.step]\nkind = \"ruled\"\nsouth = {}\nnorth = {}\n",
-        rail(0),
-        rail(1)
-    ));
+    let folder = Folder::with_torn_surface();
     let info = json(&folder, "");
     assert_eq!(
         (&info["area"], &info["volume"]),

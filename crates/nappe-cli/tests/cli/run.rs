@@ -20,6 +20,19 @@ impl Folder {
         folder
     }
 
+    /// A model with a surface, `step`, that jumps by 1 at u = 0.5.
+    pub(crate) fn with_torn_surface() -> Folder {
+        let rail = |y: u8| {
+            format!(
+                "{{ kind = \"expression\", x = \"t\", y = \"{y}\", z = \"if(t < 0.5, 0, 1)\" }}"
+            )
+        };
+        let [south, north] = [0, 1].map(rail);
+        Folder::with_model(&format!(
+            "[surfaces.step]\nkind = \"ruled\"\nsouth = {south}\nnorth = {north}\n"
+        ))
+    }
+
     pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
