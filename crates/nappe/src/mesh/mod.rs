@@ -9,6 +9,7 @@
 //!
 //! The layout and the triangles of different surfaces are independent of each other.
 
+use crate::breaks::Breaks;
 use crate::surface::{Dir, Surface, SurfaceRef};
 use glam::DVec3;
 use layout::{Demand, Layout, layout};
@@ -184,6 +185,20 @@ impl Task<'_> {
         }
     }
 
+    /// The fewest cells along u and v in each block of a surface: between two lines that are one point, two.
+    fn least_cells(&self, i: usize) -> [f64; 2] {
+        let surface = self.surfaces[i].as_ref();
+        let mut least = self.shared.least_cells(i);
+        for (least, across) in least.iter_mut().zip([Dir::U, Dir::V]) {
+            let lines = surface.breaks(across).below(1).into_iter();
+            let mut lines = lines.map(|at| Edge::inside(surface, across, at));
+            if lines.any(|line| line.is_collapsed(self.weld)) {
+                *least = least.max(2.0);
+            }
+        }
+        least
+    }
+
     fn layouts(&self, plain: &[bool]) -> Result<Vec<Layout>, MeshError> {
         let max = self.options.max_triangles;
         let mut layouts: Vec<Layout> = Vec::with_capacity(self.surfaces.len());
@@ -197,7 +212,7 @@ impl Task<'_> {
             let demand = Demand {
                 surface: i,
                 tol: self.tol - self.rounding[i] - reserve,
-                least: self.shared.least_cells(i),
+                least: self.least_cells(i),
                 max: left,
                 plain: plain[i],
             };

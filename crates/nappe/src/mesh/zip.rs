@@ -3,6 +3,8 @@
 //! Every triangle has its corners on at least two sides and never all three on one: none is degenerate in the plane of
 //! the parameters. No vertex is added inside, but for a fan around a vertex in the middle.
 
+use crate::surface::Side;
+
 /// The vertices of a cell, counter-clockwise chains that include their end corners: south and north run along u, west
 /// and east along v.
 pub(super) struct Cell<'a> {
@@ -13,6 +15,15 @@ pub(super) struct Cell<'a> {
 }
 
 impl Cell<'_> {
+    pub(super) fn side(&self, side: Side) -> &[u32] {
+        match side {
+            Side::South => self.south,
+            Side::North => self.north,
+            Side::West => self.west,
+            Side::East => self.east,
+        }
+    }
+
     /// Hands out the triangles around a vertex in the middle, counter-clockwise in (u, v): none has its corners on the
     /// sides alone.
     pub(super) fn fan(&self, middle: u32, mut emit: impl FnMut([u32; 3])) {
@@ -26,6 +37,41 @@ impl Cell<'_> {
         forward(self.east, &mut emit);
         backward(self.north, &mut emit);
         backward(self.west, &mut emit);
+    }
+
+    /// Hands out the triangles of a cell with a side that is one point, counter-clockwise in (u, v). Only the first has
+    /// two corners on the same side next to the point, besides it: such a side may be straight, and a triangle with all
+    /// corners on a straight side has no area in space.
+    pub(super) fn around_tip(
+        &self,
+        collapsed: Side,
+        quality: impl Fn([u32; 3]) -> f64,
+        mut emit: impl FnMut([u32; 3]),
+    ) {
+        let on = |chain: &[u32]| chain.to_vec();
+        let back = |chain: &[u32]| chain.iter().rev().copied().collect::<Vec<u32>>();
+        // Counter-clockwise: the side that leaves the tip, the opposite one, and the other that leaves the tip.
+        let [first, opposite, last] = match collapsed {
+            Side::West => [on(self.south), on(self.east), on(self.north)],
+            Side::South => [on(self.east), back(self.north), on(self.west)],
+            Side::East => [back(self.north), back(self.west), back(self.south)],
+            Side::North => [back(self.west), on(self.south), back(self.east)],
+        };
+        let inner = |chain: &[u32]| chain[1..chain.len() - 1].to_vec();
+        let (tip, from, to) = (first[0], opposite[0], opposite[opposite.len() - 1]);
+        let (right, left, end) = if last.len() > 2 {
+            let right = [&first[1..], &inner(&opposite)].concat();
+            (right, inner(&last), to)
+        } else if first.len() > 2 {
+            let left = back(&opposite[1..]);
+            (inner(&first), left, from)
+        } else {
+            zip(&opposite, &[tip], quality, emit);
+            return;
+        };
+        emit([tip, right[0], left[0]]);
+        zip(&right, &left, quality, &mut emit);
+        emit([right[right.len() - 1], end, left[left.len() - 1]]);
     }
 
     /// Hands out the triangles, counter-clockwise in (u, v). `quality` is larger for better shaped triangles.
