@@ -17,7 +17,7 @@ use std::time::Instant;
 /// surfaces), .svg .png (pictures). Files are replaced only when the new ones are whole.
 ///
 /// Ends with a table: patches, triangles, box, the proven distance between mesh and surfaces, the files, the time; and
-/// with a note for sides that nearly meet but are not joined.
+/// with a note for sides that nearly meet, or meet in part, and are not joined.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -34,7 +34,7 @@ pub(crate) struct Args {
 
     /// The greatest distance between mesh and surface, in the model's units. Default: the model's, else a thousandth of
     /// the diagonal of its box
-    #[arg(long, value_name = "LENGTH", value_parser = super::length)]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = super::length)]
     tolerance: Option<f64>,
 }
 
@@ -110,7 +110,7 @@ impl Args {
                 .and_then(|f| nappe_exchange::check_target(path).map(|()| f))
             {
                 Ok(format) => files.push((path.clone(), format)),
-                Err(e) => problems.push(Problem::new(e.to_string())),
+                Err(e) => problems.push(output::problem(e)),
             }
         }
         if problems.is_empty() {

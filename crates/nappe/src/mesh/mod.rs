@@ -25,6 +25,7 @@ mod joints;
 mod layout;
 mod lines;
 mod options;
+mod partial;
 mod patch;
 pub(crate) mod shared;
 mod slide;
@@ -34,6 +35,7 @@ mod zip;
 pub use flatten::{FlatCurve, FlattenError, flatten};
 pub use joints::{Joint, Joints, joints};
 pub use options::{MeshError, MeshOptions, Progress};
+pub use partial::{PartialJoint, partial_joints};
 
 /// How far an approximating result is from the exact thing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,7 +131,7 @@ const SAMPLES: usize = 16;
 /// Errors: see [`MeshError`]. Cost: proportional to the number of triangles, and some enclosures for each leaf.
 ///
 /// Limits: sides are joined whole. Where one side meets only a part of another, or two closed sides start at different
-/// points, the mesh has two borders that agree within the tolerance.
+/// points, the mesh has two borders that agree within the tolerance; [`partial_joints`] finds these.
 pub fn mesh(surfaces: &[SurfaceRef], options: &MeshOptions) -> Result<Mesh, MeshError> {
     let measures: Vec<Measure> = surfaces.iter().map(|s| Measure::of(s.as_ref())).collect();
     let diagonal = measures

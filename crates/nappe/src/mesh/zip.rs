@@ -199,4 +199,65 @@ mod tests {
             assert!((sum - 1.0).abs() < 1e-12);
         }
     }
+
+    /// A cell whose side is one point is, in space, a triangle with straight sides: it is covered once, by triangles that
+    /// all have an area, whichever side it is and whatever vertices its sides have.
+    #[test]
+    fn cells_with_a_tip_are_covered_once() {
+        for code in 0..4u32.pow(3) {
+            for collapsed in Side::ALL {
+                let places = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+                // A side towards the middle of the opposite one: one point, in the place of both its ends.
+                let tip = match collapsed {
+                    Side::South => [0.5, 0.0],
+                    Side::North => [0.5, 1.0],
+                    Side::West => [0.0, 0.5],
+                    Side::East => [1.0, 0.5],
+                };
+                let ends = [[0, 1], [2, 3], [0, 2], [1, 3]];
+                let mut points: Vec<[f64; 2]> = places.to_vec();
+                for c in ends[collapsed as usize] {
+                    points[c] = tip;
+                }
+                let mut digits = code;
+                let chains: Vec<Vec<u32>> = (0..4)
+                    .map(|s| {
+                        let [a, b] = ends[s];
+                        let mut chain = vec![a as u32];
+                        if s != collapsed as usize {
+                            let extra = digits % 4;
+                            digits /= 4;
+                            for k in 1..=extra {
+                                let t = f64::from(k) / f64::from(extra + 1);
+                                let (p, q) = (points[a], points[b]);
+                                points.push([p[0] + (q[0] - p[0]) * t, p[1] + (q[1] - p[1]) * t]);
+                                chain.push(points.len() as u32 - 1);
+                            }
+                        }
+                        chain.push(b as u32);
+                        chain
+                    })
+                    .collect();
+                let cell = Cell {
+                    south: &chains[0],
+                    north: &chains[1],
+                    west: &chains[2],
+                    east: &chains[3],
+                };
+                let area = |t: [u32; 3]| {
+                    let [a, b, c] = t.map(|i| points[i as usize]);
+                    0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+                };
+                let mut sum = 0.0;
+                cell.around_tip(collapsed, area, |t| {
+                    assert!(area(t) > 1e-9, "{t:?} with {code} at {collapsed}");
+                    sum += area(t);
+                });
+                assert!(
+                    (sum - 0.5).abs() < 1e-12,
+                    "{sum} with {code} at {collapsed}"
+                );
+            }
+        }
+    }
 }
