@@ -20,6 +20,7 @@ mod shape;
 mod strip;
 mod taylor;
 
+pub use apex::{UnboundedCurvature, unbounded_curvature};
 pub use area::{VolumeError, area, volume};
 pub use continuity::{Continuity, SideOf, Smoothness, continuity};
 pub use crease::{Crease, creases};
