@@ -519,6 +519,49 @@ fn profiles_that_touch_the_axis_have_poles_inside() {
     }
 }
 
+/// Straight profiles to the axis, so that the lines of a cell that meet in the pole are straight: discs and cones, with
+/// neighbouring leaves of other sizes. No triangle may lose its area, also after rounding to single precision as in files.
+#[test]
+fn no_triangle_at_a_pole_is_without_area() {
+    let line =
+        |points: &[DVec3]| -> CurveRef { Arc::new(polyline(points, Spacing::Uniform).unwrap()) };
+    let profiles = [
+        line(&[
+            v(0.0, 0.0, 0.0),
+            v(1.0, 0.0, 0.0),
+            v(1.0, 0.0, 2.0),
+            v(0.0, 0.0, 2.0),
+        ]),
+        line(&[v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.5), v(0.0, 0.0, 2.0)]),
+        quarter(1.0, DVec3::ZERO),
+    ];
+    for (profile, construction) in profiles.iter().flat_map(|p| {
+        [
+            Construction::Angle,
+            Construction::Rational,
+            Construction::Coons,
+        ]
+        .map(|c| (p, c))
+    }) {
+        let s = revolve(profile, Frame::WORLD, options(0.0, TAU, construction));
+        for tol in [0.1, 0.01] {
+            let mesh = mesh(&[Arc::new(s.clone())], &MeshOptions::with_tol(tol)).unwrap();
+            let patch = &mesh.patches[0];
+            for t in &patch.triangles {
+                let corners = t.map(|v| mesh.points[patch.vertices[v as usize].point as usize]);
+                for [a, b, c] in [corners, corners.map(|p| p.as_vec3().as_dvec3())] {
+                    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+                    let area = (b - a).cross(c - a).length();
+                    assert!(
+                        area > 1e-5 * longest * longest,
+                        "{construction:?} {tol}: {a} {b} {c}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn planes_and_cylinders_are_recognised() {
     let axis = Frame::along(v(1.0, 2.0, 3.0), v(1.0, 1.0, 1.0)).unwrap();

@@ -8,8 +8,7 @@ use glam::DVec3;
 
 /// Samples of the shorter side.
 const SAMPLES: usize = 32;
-/// The fewest steps between samples that have partners one after the other: sides that only meet in a corner, or touch,
-/// have fewer.
+/// The fewest steps between samples that have partners one after the other: sides that only meet in a corner have fewer.
 const LEAST: usize = 2;
 /// In units of the distance within which sides meet: shorter stretches are as good as one point.
 const LONG: f64 = 4.0;
@@ -37,7 +36,7 @@ pub struct PartialJoint {
 /// two shorter ones meet, or closed sides that start at different points. At least one of the two meets nothing as a
 /// whole ([`joints`](super::joints)). [`mesh`](super::mesh) does not join them: it has two borders there.
 ///
-/// Sampled: a stretch shorter than a sixteenth of both sides is not seen. Cost: a hundred points of each side, and 10³
+/// Sampled: a stretch shorter than a sixteenth of both sides is not seen, nor one that ends in the middle of both. Cost: a hundred points of each side, and 10³
 /// for each pair whose boxes meet.
 pub fn partial_joints(surfaces: &[SurfaceRef], weld: f64) -> Vec<PartialJoint> {
     let shared = find(surfaces, weld);
@@ -129,10 +128,23 @@ impl<'a> Line<'a> {
                 (t, p, partner, other.edge.point(partner).distance(p))
             })
             .collect();
-        let stretch = samples
-            .chunk_by(|a, b| (a.3 <= within) == (b.3 <= within))
-            .filter(|run| run[0].3 <= within && run.len() > LEAST)
-            .max_by_key(|run| run.len())?;
+        let runs = samples.chunk_by(|a, b| (a.3 <= within) == (b.3 <= within));
+        let mut first = 0;
+        let (from, stretch) = runs
+            .map(|run| {
+                first += run.len();
+                (first - run.len(), run)
+            })
+            .filter(|(_, run)| run[0].3 <= within && run.len() > LEAST)
+            .max_by_key(|(_, run)| run.len())?;
+        // Sides that touch part in the middle of both; those that run along each other do so until one of them ends.
+        let ends_there = |next: Option<&(f64, DVec3, f64, f64)>| {
+            next.is_none_or(|s| s.2 <= other.edge.range.lo || s.2 >= other.edge.range.hi)
+        };
+        let before = from.checked_sub(1).and_then(|k| samples.get(k));
+        if !ends_there(before) || !ends_there(samples.get(from + stretch.len())) {
+            return None;
+        }
         let length: f64 = stretch.windows(2).map(|s| s[0].1.distance(s[1].1)).sum();
         if length <= LONG * within {
             return None;
