@@ -359,22 +359,14 @@ fn every_refusal_to_write_has_its_remedy() {
 fn a_negative_tolerance_is_named_as_what_it_is() {
     let folder = Folder::with_model(MODEL);
     for command in ["build model.nappe.toml", "render model.nappe.toml -o a.png"] {
-        for value in ["-1", "-0.5e-3", "0", "-inf"] {
-            let run = folder.nappe(&format!("{command} --tolerance={value}"));
+        for argument in ["=-1", "=-0.5e-3", "=0", "=-inf", " -1"] {
+            let run = folder.nappe(&format!("{command} --tolerance{argument}"));
             assert_eq!(run.code, 2);
             assert!(
                 run.stderr.contains("is not a length greater than zero"),
-                "{}",
+                "{argument}: {}",
                 run.stderr
             );
         }
-        let run = folder.nappe(&format!("{command} --tolerance -1"));
-        assert_eq!(run.code, 2);
-        assert!(
-            run.stderr.contains("-1 is not a length greater than zero"),
-            "{}",
-            run.stderr
-        );
-        assert!(!run.stderr.contains("--'"), "{}", run.stderr);
     }
 }

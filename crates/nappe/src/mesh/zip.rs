@@ -145,56 +145,75 @@ fn zip(
 mod tests {
     use super::*;
 
+    /// The ends of south, north, west and east among the corners.
+    const ENDS: [[usize; 2]; 4] = [[0, 1], [2, 3], [0, 2], [1, 3]];
+
+    /// A cell in the plane with some vertices between the ends of its sides.
+    struct Plane {
+        points: Vec<[f64; 2]>,
+        chains: [Vec<u32>; 4],
+    }
+
+    impl Plane {
+        fn new(corners: [[f64; 2]; 4], extra: [u32; 4]) -> Self {
+            let mut points = corners.to_vec();
+            let chains = [0, 1, 2, 3].map(|s| {
+                let [a, b] = ENDS[s];
+                let (p, q) = (corners[a], corners[b]);
+                let mut chain = vec![a as u32];
+                for k in 1..=extra[s] {
+                    let t = f64::from(k) / f64::from(extra[s] + 1);
+                    points.push([p[0] + (q[0] - p[0]) * t, p[1] + (q[1] - p[1]) * t]);
+                    chain.push(points.len() as u32 - 1);
+                }
+                chain.push(b as u32);
+                chain
+            });
+            Self { points, chains }
+        }
+
+        fn cell(&self) -> Cell<'_> {
+            let [south, north, west, east] = &self.chains;
+            Cell {
+                south,
+                north,
+                west,
+                east,
+            }
+        }
+
+        fn area(&self, t: [u32; 3]) -> f64 {
+            let [a, b, c] = t.map(|i| self.points[i as usize]);
+            0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+        }
+    }
+
+    const UNIT: [[f64; 2]; 4] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+
     /// Points of a unit cell with the given numbers of extra points: the triangles are counter-clockwise, not
     /// degenerate and add up to the cell.
     #[test]
     fn cells_are_covered_once() {
         for code in 0..4u32.pow(4) {
-            let extra = [0, 1, 2, 3].map(|k| (code / 4u32.pow(k) % 4) as usize);
-            let mut points: Vec<[f64; 2]> = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-            let ends = [[0, 1], [2, 3], [0, 2], [1, 3]];
-            let chains: Vec<Vec<u32>> = (0..4)
-                .map(|s| {
-                    let [a, b] = ends[s];
-                    let mut chain = vec![a as u32];
-                    for k in 1..=extra[s] {
-                        let t = k as f64 / (extra[s] + 1) as f64;
-                        let (p, q) = (points[a], points[b]);
-                        points.push([p[0] + (q[0] - p[0]) * t, p[1] + (q[1] - p[1]) * t]);
-                        chain.push(points.len() as u32 - 1);
-                    }
-                    chain.push(b as u32);
-                    chain
-                })
-                .collect();
-            let cell = Cell {
-                south: &chains[0],
-                north: &chains[1],
-                west: &chains[2],
-                east: &chains[3],
-            };
-            let area = |t: [u32; 3]| {
-                let [a, b, c] = t.map(|i| points[i as usize]);
-                0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-            };
+            let extra = [0, 1, 2, 3].map(|k| code / 4u32.pow(k) % 4);
+            let mut plane = Plane::new(UNIT, extra);
             let (mut sum, mut count) = (0.0, 0);
-            cell.triangles(area, |t| {
-                assert!(area(t) > 1e-9, "{t:?} with {extra:?}");
-                sum += area(t);
-                count += 1;
-            });
+            plane.cell().triangles(
+                |t| plane.area(t),
+                |t| {
+                    assert!(plane.area(t) > 1e-9, "{t:?} with {extra:?}");
+                    sum += plane.area(t);
+                    count += 1;
+                },
+            );
             assert!((sum - 1.0).abs() < 1e-12);
-            assert_eq!(count, 2 + extra.iter().sum::<usize>());
-            points.push([0.5, 0.5]);
-            let middle = points.len() as u32 - 1;
-            let area = |t: [u32; 3]| {
-                let [a, b, c] = t.map(|i| points[i as usize]);
-                0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-            };
+            assert_eq!(count, 2 + extra.iter().sum::<u32>());
+            plane.points.push([0.5, 0.5]);
+            let middle = plane.points.len() as u32 - 1;
             let mut sum = 0.0;
-            cell.fan(middle, |t| {
-                assert!(area(t) > 1e-9 && t.contains(&middle));
-                sum += area(t);
+            plane.cell().fan(middle, |t| {
+                assert!(plane.area(t) > 1e-9 && t.contains(&middle));
+                sum += plane.area(t);
             });
             assert!((sum - 1.0).abs() < 1e-12);
         }
@@ -204,60 +223,28 @@ mod tests {
     /// all have an area, whichever side it is and whatever vertices its sides have.
     #[test]
     fn cells_with_a_tip_are_covered_once() {
-        for code in 0..4u32.pow(3) {
-            for collapsed in Side::ALL {
-                let places = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-                // A side towards the middle of the opposite one: one point, in the place of both its ends.
-                let tip = match collapsed {
-                    Side::South => [0.5, 0.0],
-                    Side::North => [0.5, 1.0],
-                    Side::West => [0.0, 0.5],
-                    Side::East => [1.0, 0.5],
-                };
-                let ends = [[0, 1], [2, 3], [0, 2], [1, 3]];
-                let mut points: Vec<[f64; 2]> = places.to_vec();
-                for c in ends[collapsed as usize] {
-                    points[c] = tip;
-                }
-                let mut digits = code;
-                let chains: Vec<Vec<u32>> = (0..4)
-                    .map(|s| {
-                        let [a, b] = ends[s];
-                        let mut chain = vec![a as u32];
-                        if s != collapsed as usize {
-                            let extra = digits % 4;
-                            digits /= 4;
-                            for k in 1..=extra {
-                                let t = f64::from(k) / f64::from(extra + 1);
-                                let (p, q) = (points[a], points[b]);
-                                points.push([p[0] + (q[0] - p[0]) * t, p[1] + (q[1] - p[1]) * t]);
-                                chain.push(points.len() as u32 - 1);
-                            }
-                        }
-                        chain.push(b as u32);
-                        chain
-                    })
-                    .collect();
-                let cell = Cell {
-                    south: &chains[0],
-                    north: &chains[1],
-                    west: &chains[2],
-                    east: &chains[3],
-                };
-                let area = |t: [u32; 3]| {
-                    let [a, b, c] = t.map(|i| points[i as usize]);
-                    0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-                };
-                let mut sum = 0.0;
-                cell.around_tip(collapsed, area, |t| {
-                    assert!(area(t) > 1e-9, "{t:?} with {code} at {collapsed}");
-                    sum += area(t);
-                });
-                assert!(
-                    (sum - 0.5).abs() < 1e-12,
-                    "{sum} with {code} at {collapsed}"
-                );
-            }
+        for (code, collapsed) in (0..4u32.pow(4)).flat_map(|c| Side::ALL.map(|s| (c, s))) {
+            let mut extra = [0, 1, 2, 3].map(|k| code / 4u32.pow(k) % 4);
+            extra[collapsed as usize] = 0;
+            // Both ends are in the middle of the side.
+            let mut corners = UNIT;
+            let [a, b] = ENDS[collapsed as usize];
+            let tip = [0, 1].map(|k| 0.5 * (UNIT[a][k] + UNIT[b][k]));
+            (corners[a], corners[b]) = (tip, tip);
+            let plane = Plane::new(corners, extra);
+            let mut sum = 0.0;
+            plane.cell().around_tip(
+                collapsed,
+                |t| plane.area(t),
+                |t| {
+                    assert!(plane.area(t) > 1e-9, "{t:?} with {extra:?} at {collapsed}");
+                    sum += plane.area(t);
+                },
+            );
+            assert!(
+                (sum - 0.5).abs() < 1e-12,
+                "{sum} with {extra:?} at {collapsed}"
+            );
         }
     }
 }
