@@ -41,7 +41,7 @@ pub(crate) struct Args {
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
         let start = Instant::now();
-        if self.model.path().is_dir() {
+        if self.model.path().metadata().map_or(true, |m| m.is_dir()) {
             // What is wrong is the model, not the name that a file beside it would have.
             self.model.open(screen)?;
         }

@@ -63,7 +63,7 @@ pub(crate) fn find(curve: &dyn Curve, axis: &Frame) -> Contact {
                     .map(|t| at(t).xy().length())
                     .fold(0.0, f64::max)
             };
-            let middle = t.mid();
+            let middle = halved(t, |m| at(m).xy().dot(at(t.lo).xy()) > 0.0);
             // To the next contact, or to the end.
             let before = k.checked_sub(1).map_or(domain.lo, |k| touches[k].hi);
             let after = touches.get(k + 1).map_or(domain.hi, |t| t.lo);
@@ -78,6 +78,22 @@ pub(crate) fn find(curve: &dyn Curve, axis: &Frame) -> Contact {
         }
     }
     Contact::Poles { ends, inner }
+}
+
+/// Where a condition that holds at the start of an interval ends to hold, by halving.
+fn halved(t: Interval, holds: impl Fn(f64) -> bool) -> f64 {
+    let mut t = t;
+    loop {
+        let m = t.mid();
+        if m <= t.lo || m >= t.hi {
+            return m;
+        }
+        if holds(m) {
+            t.lo = m;
+        } else {
+            t.hi = m;
+        }
+    }
 }
 
 /// The distance from the axis below which a point is on it.
