@@ -33,9 +33,13 @@ fn label(place: &Range<usize>, text: impl Into<String>) -> Label {
     }
 }
 
-/// Why there is no mesh. `asked` is the tolerance of the command line: then the file is not to blame for it.
-pub(crate) fn of_mesh(model: &Model, asked: Option<f64>, e: &MeshError) -> Failure {
-    let surfaces: Vec<&NamedSurface> = model.output().collect();
+/// Why there is no mesh of these surfaces. `asked` is the tolerance of the command line: then the file is not to blame for it.
+pub(crate) fn of_mesh(
+    model: &Model,
+    surfaces: &[&NamedSurface],
+    asked: Option<f64>,
+    e: &MeshError,
+) -> Failure {
     let tolerance = Tolerance { model, asked };
     let on = |index: usize, message: String, help: &str| match surfaces.get(index) {
         Some(s) => at(

@@ -40,8 +40,13 @@ pub(crate) fn write_with<T>(
     }
 }
 
-/// What the writer says; most say the remedy themselves.
+/// What the writer says.
 pub(crate) fn refused(e: ExchangeError) -> Failure {
+    problem(e).into()
+}
+
+/// What the writer says; most say the remedy themselves.
+pub(crate) fn problem(e: ExchangeError) -> Problem {
     let problem = Problem::new(e.to_string());
     match e {
         ExchangeError::Nothing { .. } => problem
@@ -51,5 +56,4 @@ pub(crate) fn refused(e: ExchangeError) -> Failure {
         }
         _ => problem,
     }
-    .into()
 }

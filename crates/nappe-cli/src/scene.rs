@@ -3,13 +3,14 @@
 use crate::failure::Failure;
 use crate::fault;
 use crate::screen::Screen;
+use crate::slits::JOINED;
 use nappe::exact::{ApproximationError, to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
-use nappe::measure::curvature;
-use nappe::mesh::{Mesh, MeshOptions, MeshPatch, flatten, mesh};
+use nappe::measure::{Curvature, curvature, unbounded_curvature};
+use nappe::mesh::{Certainty, Mesh, MeshError, MeshOptions, MeshPatch, flatten, mesh};
 use nappe::surface::{Normal, SurfaceRef, normal_at};
-use nappe::{Interval, Limit};
+use nappe::{DVec3, Interval, Limit};
 use nappe_exchange::{Exact, ExactForm, Field, Part, Polyline, Scene};
-use nappe_model::Model;
+use nappe_model::{Model, NamedSurface};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -31,22 +32,10 @@ const STEPS: usize = 16;
 ///
 /// The box is that of samples: enclosures over whole domains may be many times too large.
 pub(crate) fn share_of_size(model: &Model, share: f64) -> f64 {
-    let at = |d: Interval, i: usize| d.lo + (d.hi - d.lo) * i as f64 / STEPS as f64;
-    let mut points = Vec::new();
-    for s in model.output() {
-        let [u, v] = s.surface.domain();
-        for i in 0..=STEPS {
-            points.extend((0..=STEPS).map(|j| s.surface.point([at(u, i), at(v, j)])));
-        }
-    }
-    for c in model.curves.iter().filter(|c| !c.construction_only) {
-        let t = c.curve.domain();
-        points.extend((0..=STEPS).map(|i| c.curve.point(at(t, i))));
-    }
-    let ends = points
-        .into_iter()
-        .map(|p| (p, p))
-        .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let curves = model.curves.iter().filter(|c| !c.construction_only);
+    let on_curves =
+        curves.flat_map(|c| (0..=STEPS).map(|i| c.curve.point(step(c.curve.domain(), i))));
+    let ends = around(model.output().flat_map(samples).chain(on_curves));
     let tolerance = share * ends.map_or(1.0, |(lo, hi)| (hi - lo).length());
     if tolerance > 0.0 && tolerance.is_finite() {
         tolerance
@@ -55,14 +44,26 @@ pub(crate) fn share_of_size(model: &Model, share: f64) -> f64 {
     }
 }
 
-/// The mesh of everything that the model puts out.
-fn meshed(
-    model: &Model,
-    tolerance: f64,
-    asked: Option<f64>,
-    screen: &Screen,
-) -> Result<Mesh, Failure> {
-    let geometry: Vec<SurfaceRef> = model.output().map(|s| s.surface.clone()).collect();
+fn step(d: Interval, i: usize) -> f64 {
+    d.lo + (d.hi - d.lo) * i as f64 / STEPS as f64
+}
+
+/// Points all over a surface.
+fn samples(s: &NamedSurface) -> impl Iterator<Item = DVec3> + '_ {
+    let [u, v] = s.surface.domain();
+    let row = move |i| (0..=STEPS).map(move |j| s.surface.point([step(u, i), step(v, j)]));
+    (0..=STEPS).flat_map(row)
+}
+
+/// The least and greatest corner of the box around points.
+fn around(points: impl Iterator<Item = DVec3>) -> Option<(DVec3, DVec3)> {
+    points
+        .map(|p| (p, p))
+        .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
+/// The mesh of surfaces.
+fn meshed(geometry: &[SurfaceRef], tolerance: f64, screen: &Screen) -> Result<Mesh, MeshError> {
     let progress = screen.progress("Meshing");
     let bar = progress.clone();
     let options = MeshOptions {
@@ -70,9 +71,9 @@ fn meshed(
         progress: Some(Arc::new(move |share| bar.tell(share))),
         ..MeshOptions::default()
     };
-    let made = mesh(&geometry, &options);
+    let made = mesh(geometry, &options);
     progress.finish();
-    made.map_err(|e| fault::of_mesh(model, asked, &e))
+    made
 }
 
 /// The most points of a polyline: more are not seen, and would fill the memory.
@@ -109,13 +110,71 @@ pub(crate) fn scene(
     asked: Option<f64>,
     screen: &Screen,
 ) -> Result<Scene, Failure> {
-    let names = model.output().map(|s| s.name.clone());
+    let named: Vec<&NamedSurface> = model.output().collect();
+    let geometry: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
+    let mesh = meshed(&geometry, tolerance, screen)
+        .map_err(|e| fault::of_mesh(model, &named, asked, &e))?;
+    let names = named.iter().map(|s| s.name.clone());
     Ok(Scene {
-        mesh: meshed(model, tolerance, asked, screen)?,
+        mesh,
         parts: names.enumerate().map(|(i, n)| Part::new(n, i)).collect(),
         curves: polylines(model, tolerance, asked)?,
         ..unmeshed(model)
     })
+}
+
+/// A scene for a picture, whose mesh has a tolerance far below a pixel: surfaces so small that the mesh takes them for one
+/// point or line are left out, as long as others remain; and the names of these. They have an empty patch.
+pub(crate) fn visible(
+    model: &Model,
+    tolerance: f64,
+    screen: &Screen,
+) -> Result<(Scene, Vec<String>), Failure> {
+    let named: Vec<&NamedSurface> = model.output().collect();
+    let is_large = |i: &usize| {
+        let ends = around(samples(named[*i]));
+        ends.is_none_or(|(lo, hi)| (hi - lo).length() > JOINED * tolerance)
+    };
+    let mut shown: Vec<usize> = (0..named.len()).filter(is_large).collect();
+    if shown.is_empty() {
+        // Let the mesh say what is wrong.
+        shown = (0..named.len()).collect();
+    }
+    let mut mesh = loop {
+        let geometry: Vec<SurfaceRef> = shown.iter().map(|&i| named[i].surface.clone()).collect();
+        match meshed(&geometry, tolerance, screen) {
+            Ok(mesh) => break mesh,
+            // Thin ones, of which there are few.
+            Err(MeshError::Collapsed { surface, .. }) if shown.len() > 1 => {
+                shown.remove(surface);
+            }
+            Err(e) => {
+                let shown: Vec<&NamedSurface> = shown.iter().map(|&i| named[i]).collect();
+                return Err(fault::of_mesh(model, &shown, None, &e));
+            }
+        }
+    };
+    let mut patches = mesh.patches.into_iter();
+    mesh.patches = (0..named.len())
+        .map(|i| {
+            let drawn = shown.contains(&i).then(|| patches.next()).flatten();
+            drawn.unwrap_or(MeshPatch {
+                vertices: Vec::new(),
+                triangles: Vec::new(),
+                deviation: Certainty::Exact,
+            })
+        })
+        .collect();
+    let name = |i: usize| named[i].name.clone();
+    let left_out = (0..named.len()).filter(|i| !shown.contains(i));
+    let left_out = left_out.map(name).collect();
+    let scene = Scene {
+        mesh,
+        parts: shown.iter().map(|&i| Part::new(name(i), i)).collect(),
+        curves: polylines(model, tolerance, None)?,
+        ..unmeshed(model)
+    };
+    Ok((scene, left_out))
 }
 
 /// The NURBS forms of everything that the model puts out: exact where there is one, else within the tolerance.
@@ -156,6 +215,10 @@ pub(crate) enum Bend {
     Mean,
 }
 
+/// Curvatures below this share of the greater one, or of one over the size of the model, are rounding: a surface that bends
+/// in one direction only has no Gaussian curvature.
+const ROUNDING: f64 = 1e-9;
+
 /// A curvature at each vertex of a mesh of what the model puts out; at a pole the mean of its
 /// neighbours, since the second derivatives there say nothing.
 pub(crate) fn curvature_field(model: &Model, mesh: &Mesh, which: Bend) -> Field {
@@ -164,25 +227,48 @@ pub(crate) fn curvature_field(model: &Model, mesh: &Mesh, which: Bend) -> Field 
         Bend::Gaussian => ("Gaussian curvature", format!("1/{unit}²")),
         Bend::Mean => ("Mean curvature", format!("1/{unit}")),
     };
+    let size = around(mesh.points.iter().copied()).map_or(0.0, |(lo, hi)| (hi - lo).length());
+    let value = |c: Curvature| {
+        let greater = c.k1.abs().max(c.k2.abs()).max(1.0 / size);
+        let [k1, k2] = [c.k1, c.k2].map(|k| if k.abs() > ROUNDING * greater { k } else { 0.0 });
+        match which {
+            Bend::Gaussian if k1 == 0.0 || k2 == 0.0 => 0.0,
+            Bend::Gaussian => c.gaussian,
+            Bend::Mean if k1 == 0.0 && k2 == 0.0 => 0.0,
+            Bend::Mean => c.mean,
+        }
+    };
     let values = model.output().zip(&mesh.patches).map(|(s, patch)| {
         let at = |uv| {
             let limit = [Limit::Above; 2];
             if !matches!(normal_at(s.surface.as_ref(), uv, limit), Normal::Regular(_)) {
                 return f64::NAN;
             }
-            curvature(&s.surface.jet(uv, limit, 2)).map_or(f64::NAN, |c| match which {
-                Bend::Gaussian => c.gaussian,
-                Bend::Mean => c.mean,
-            })
+            curvature(&s.surface.jet(uv, limit, 2)).map_or(f64::NAN, value)
         };
         let mut values: Vec<f64> = patch.vertices.iter().map(|v| at(v.uv)).collect();
         fill_poles(patch, &mut values);
         values
     });
+    let values = values.collect();
+    let mut unbounded = [false; 2];
+    for (s, _) in model
+        .output()
+        .zip(&mesh.patches)
+        .filter(|(_, p)| !p.triangles.is_empty())
+    {
+        let found = unbounded_curvature(s.surface.as_ref());
+        let found = match which {
+            Bend::Gaussian => found.gaussian,
+            Bend::Mean => found.mean,
+        };
+        unbounded = [0, 1].map(|k| unbounded[k] || found[k]);
+    }
     Field {
         name: name.to_owned(),
         unit,
-        values: values.collect(),
+        values,
+        unbounded,
     }
 }
 

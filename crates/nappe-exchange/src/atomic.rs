@@ -12,7 +12,7 @@ const BUFFER: usize = 1 << 16;
 /// forced to the disk and then takes the name. A symbolic link is followed; the permissions of an old file are kept.
 ///
 /// # Errors
-/// [`ExchangeError::NoDirectory`], [`ExchangeError::NotAFile`] or [`ExchangeError::Io`]; errors of `fill` arrive as
+/// [`ExchangeError::NoDirectory`], [`ExchangeError::NotADirectory`], [`ExchangeError::NotAFile`] or [`ExchangeError::Io`]; errors of `fill` arrive as
 /// the last. No temporary file remains.
 pub fn write_atomically<T>(
     path: &Path,
@@ -86,6 +86,14 @@ fn target(path: &Path) -> Result<Target, ExchangeError> {
         path.to_owned()
     };
     let directory = directory_of(&file);
+    // The nearest part of the path that is there at all.
+    let there = directory.ancestors().find(|d| d.exists());
+    if let Some(there) = there.filter(|d| !d.is_dir()) {
+        return Err(ExchangeError::NotADirectory {
+            path: path.to_owned(),
+            directory: there.to_owned(),
+        });
+    }
     if !directory.is_dir() {
         return Err(ExchangeError::NoDirectory {
             path: path.to_owned(),

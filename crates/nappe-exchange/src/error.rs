@@ -26,6 +26,14 @@ pub enum ExchangeError {
         /// The missing directory.
         directory: PathBuf,
     },
+    /// What should be the directory of the file is something else.
+    #[error("{}: {} is not a directory; choose another name", path.display(), directory.display())]
+    NotADirectory {
+        /// The file.
+        path: PathBuf,
+        /// What is no directory.
+        directory: PathBuf,
+    },
     /// The path names a directory, a device or a pipe, which cannot be replaced by a file.
     #[error("{}: is {what}, not a file that can be replaced; choose another name", path.display())]
     NotAFile {

@@ -117,11 +117,13 @@ pub(crate) fn torus(major: f64, minor: f64, n: usize, m: usize) -> Scene {
             name: "Gaussian curvature".into(),
             unit: "1/mm²".into(),
             values: values(|a, b, c| c / (b * (a + b * c))),
+            unbounded: [false; 2],
         },
         Field {
             name: "Mean curvature".into(),
             unit: "1/mm".into(),
             values: values(|a, b, c| (a + 2.0 * b * c) / (2.0 * b * (a + b * c))),
+            unbounded: [false; 2],
         },
     ];
     Scene {

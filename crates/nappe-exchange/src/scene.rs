@@ -61,6 +61,9 @@ pub struct Field {
     pub unit: String,
     /// The values, `[patch][vertex]` as in the mesh. A value that is not finite means "none here".
     pub values: Vec<Vec<f64>>,
+    /// Whether what is measured has values below every bound, and above, though not at a vertex: as curvature at the tip
+    /// of a cone. The ends of a legend say so.
+    pub unbounded: [bool; 2],
 }
 
 /// The NURBS form of a curve or surface of the model.

@@ -32,6 +32,8 @@ const VARIABLES: [&str; 3] = ["t", "u", "v"];
 pub(crate) struct Scope {
     values: Vec<(String, f64)>,
     index: HashMap<String, Option<usize>>,
+    /// All names, in the order of the file, also of those that are wrong or not evaluated yet: for near names.
+    names: Vec<String>,
 }
 
 impl Scope {
@@ -125,7 +127,12 @@ impl Scope {
             return Err(Broken);
         }
         e.bind(variables, &self.visible(e)).map_err(|unknown| {
-            for u in unknown {
+            for mut u in unknown {
+                let more = self.names.iter().filter(|n| !u.known.contains(n));
+                let more: Vec<String> = more.cloned().collect();
+                u.known.extend(more);
+                let near = nearest(&u.name, u.known.iter().map(String::as_str));
+                u.near = near.map(str::to_owned);
                 let span = node.place(&(u.span.start + from..u.span.end + from));
                 let wrong_variable = VARIABLES.contains(&u.name.as_str());
                 let help = match (wrong_variable, variables) {
@@ -276,7 +283,10 @@ pub(crate) fn resolve(
         .filter_map(|(k, v)| entry(&k.name, &k.span, v, diags))
         .collect();
     apply(overrides, &mut entries, diags);
-    let mut scope = Scope::default();
+    let mut scope = Scope {
+        names: table.entries.iter().map(|(k, _)| k.name.clone()).collect(),
+        ..Scope::default()
+    };
     // A parameter whose table could not be read is broken, not unknown.
     for (k, _) in &table.entries {
         if !entries.iter().any(|e| e.name == k.name) {

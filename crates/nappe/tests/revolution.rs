@@ -3,14 +3,16 @@
 #![allow(clippy::unwrap_used)]
 
 use nappe::basis::BSplineBasis;
-use nappe::curve::{CurveRef, ExpressionCurve};
+use nappe::curve::{CurveRef, Ellipse, ExpressionCurve, Spacing, polyline};
 use nappe::exact::NurbsCurve;
 use nappe::expr::Expr;
 use nappe::laws;
+use nappe::mesh::{Certainty, MeshOptions, mesh};
 use nappe::surface::{
     Construction, Elementary, Revolution, RevolutionError, RevolutionOptions, Surface, jet_index,
+    normal_at,
 };
-use nappe::{DVec3, Frame};
+use nappe::{DVec3, Frame, Limit};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 use std::sync::Arc;
 
@@ -387,10 +389,177 @@ fn crossing_profiles_are_refused_and_touching_ones_are_not() {
     let touching = expression("(t-0.4)^2", "0", "t");
     let s = revolve(&touching, Frame::WORLD, RevolutionOptions::default());
     assert!(s.pinches().len() == 1 && (s.pinches()[0] - 0.4).abs() < 1e-4);
+    // A stretch, with its ends: the distance 2t - 1 is below the tolerance 1e-12 a little after t = 1/2, too.
+    let stretch = Arc::new(
+        polyline(
+            &[v(1.0, 0.0, 0.0), v(0.0, 0.0, 0.0), v(0.0, 0.0, 1.0)],
+            Spacing::Uniform,
+        )
+        .unwrap(),
+    );
+    let refused = refuse(&(stretch as CurveRef), Frame::WORLD);
+    assert!(
+        matches!(refused, RevolutionError::OnAxis { from, to: 1.0 } if (from - 0.5).abs() < 1e-9),
+        "{refused}"
+    );
+    // Two crossings: the part between them is what lies beyond, (1 - 4.2 t + 4.2 t²) is -0.05 at its least.
+    let twice = bezier(
+        &[v(1.0, 0.0, 0.0), v(-1.1, 0.0, 1.0), v(1.0, 0.0, 2.0)],
+        None,
+    );
+    let RevolutionError::Crosses { at, reach, .. } = refuse(&twice, Frame::WORLD) else {
+        panic!("not a crossing")
+    };
+    let root = 0.5 - (0.05f64 / 4.2).sqrt();
+    assert!(
+        (at - root).abs() < 1e-9 && (reach - 0.05).abs() < 1e-4,
+        "{at} {reach}"
+    );
     // Past the axis in space without meeting it.
     let passing = expression("2*t-1", "0.01", "t");
     let s = revolve(&passing, Frame::WORLD, RevolutionOptions::default());
     assert!(s.pinches().is_empty() && s.poles() == [false; 2]);
+}
+
+/// Profiles that touch the axis smoothly: at one place, t = 1/2; or at two, with a needle between them.
+fn touching() -> Vec<(&'static str, CurveRef, Vec<f64>)> {
+    let parabola = [v(2.0, 0.0, -1.0), v(-2.0, 0.0, 1.0), v(2.0, 0.0, 3.0)];
+    let arc = [v(2.0, 0.0, -1.0), v(0.0, 0.0, 1.0), v(2.0, 0.0, 3.0)];
+    vec![
+        ("parabola", bezier(&parabola, None), vec![0.5]),
+        ("arc", Arc::new(Ellipse::through(arc).unwrap()), vec![0.5]),
+        (
+            "needle",
+            expression("((t-0.25)*(t-0.75))^2", "0", "4*t"),
+            vec![0.25, 0.75],
+        ),
+    ]
+}
+
+#[test]
+fn profiles_that_touch_the_axis_have_poles_inside() {
+    let constructions = [
+        Construction::Angle,
+        Construction::Rational,
+        Construction::Coons,
+    ];
+    for ((name, profile, places), construction) in touching()
+        .into_iter()
+        .flat_map(|t| constructions.map(|c| (t.clone(), c)))
+    {
+        let s = revolve(&profile, Frame::WORLD, options(0.0, TAU, construction));
+        let [domain, _] = s.domain();
+        assert_eq!(s.pinches().len(), places.len(), "{name}");
+        for (u, place) in s.pinches().iter().zip(&places) {
+            let share = (u - domain.lo) / (domain.hi - domain.lo);
+            assert!((share - place).abs() < 1e-6, "{name}: {share}");
+            let z = profile
+                .point(profile.domain().lo + place * profile.domain().width())
+                .z;
+            for k in 0..8 {
+                let uv = [*u, k as f64 / 8.0];
+                assert!(s.point(uv).distance(DVec3::Z * z) < 1e-5, "{name}");
+                // The limit of the normals is square to the axis, and the same from both sides.
+                let [a, b] = [Limit::Below, Limit::Above]
+                    .map(|l| normal_at(&s, uv, [l, Limit::Above]).vector().unwrap());
+                assert!(
+                    a.z.abs() < 1e-3 && a.distance(b) < 1e-3,
+                    "{name} {construction:?}: {a} {b}"
+                );
+            }
+        }
+        let by_angle = construction == Construction::Angle;
+        if by_angle {
+            laws::surface(&s);
+        }
+        // A tolerance wider than the needle must not lose it.
+        let tolerances: &[f64] = if by_angle { &[0.02, 0.002] } else { &[0.02] };
+        for &tol in tolerances {
+            let mesh = mesh(&[Arc::new(s.clone())], &MeshOptions::with_tol(tol)).unwrap();
+            let patch = &mesh.patches[0];
+            assert!(
+                matches!(patch.deviation, Certainty::Bounded(e) if e <= tol),
+                "{name}"
+            );
+            let mut edges = std::collections::HashMap::new();
+            let mut heights = Vec::new();
+            for t in &patch.triangles {
+                let id = t.map(|v| patch.vertices[v as usize].point);
+                let [a, b, c] = id.map(|i| mesh.points[i as usize]);
+                let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+                let area = (b - a).cross(c - a).length();
+                assert!(
+                    area > 1e-9 * longest * longest,
+                    "{name} {construction:?}: {a} {b} {c}"
+                );
+                heights.push([a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z)]);
+                for (p, q) in [(id[0], id[1]), (id[1], id[2]), (id[2], id[0])] {
+                    *edges.entry((p, q)).or_insert(0) += 1;
+                }
+            }
+            // Every edge is used once in each sense, but for those of the two rims.
+            assert!(edges.values().all(|&n| n == 1), "{name}");
+            let ends = [profile.ends()[0].z, profile.ends()[1].z];
+            for (p, q) in edges.keys().filter(|(p, q)| !edges.contains_key(&(*q, *p))) {
+                let z = [p, q].map(|&i| mesh.points[i as usize].z);
+                assert!(
+                    ends.iter().any(|e| z.iter().all(|z| (z - e).abs() < 1e-9)),
+                    "{name}: {z:?}"
+                );
+            }
+            // Some triangle at every height.
+            for k in 1..50 {
+                let z = ends[0] + (ends[1] - ends[0]) * k as f64 / 50.0;
+                assert!(
+                    heights.iter().any(|[lo, hi]| *lo <= z && z <= *hi),
+                    "{name}: none at {z}"
+                );
+            }
+        }
+    }
+}
+
+/// Straight profiles to the axis, so that the lines of a cell that meet in the pole are straight: discs and cones, with
+/// neighbouring leaves of other sizes. No triangle may lose its area, also after rounding to single precision as in files.
+#[test]
+fn no_triangle_at_a_pole_is_without_area() {
+    let line =
+        |points: &[DVec3]| -> CurveRef { Arc::new(polyline(points, Spacing::Uniform).unwrap()) };
+    let profiles = [
+        line(&[
+            v(0.0, 0.0, 0.0),
+            v(1.0, 0.0, 0.0),
+            v(1.0, 0.0, 2.0),
+            v(0.0, 0.0, 2.0),
+        ]),
+        line(&[v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.5), v(0.0, 0.0, 2.0)]),
+        quarter(1.0, DVec3::ZERO),
+    ];
+    for (profile, construction) in profiles.iter().flat_map(|p| {
+        [
+            Construction::Angle,
+            Construction::Rational,
+            Construction::Coons,
+        ]
+        .map(|c| (p, c))
+    }) {
+        let s = revolve(profile, Frame::WORLD, options(0.0, TAU, construction));
+        for tol in [0.1, 0.01] {
+            let mesh = mesh(&[Arc::new(s.clone())], &MeshOptions::with_tol(tol)).unwrap();
+            let patch = &mesh.patches[0];
+            for t in &patch.triangles {
+                let corners = t.map(|v| mesh.points[patch.vertices[v as usize].point as usize]);
+                for [a, b, c] in [corners, corners.map(|p| p.as_vec3().as_dvec3())] {
+                    let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
+                    let area = (b - a).cross(c - a).length();
+                    assert!(
+                        area > 1e-5 * longest * longest,
+                        "{construction:?} {tol}: {a} {b} {c}"
+                    );
+                }
+            }
+        }
+    }
 }
 
 #[test]

@@ -17,7 +17,7 @@ use std::time::Instant;
 /// surfaces), .svg .png (pictures). Files are replaced only when the new ones are whole.
 ///
 /// Ends with a table: patches, triangles, box, the proven distance between mesh and surfaces, the files, the time; and
-/// with a note for sides that nearly meet but are not joined.
+/// with a note for sides that nearly meet, or meet in part, and are not joined.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -34,14 +34,14 @@ pub(crate) struct Args {
 
     /// The greatest distance between mesh and surface, in the model's units. Default: the model's, else a thousandth of
     /// the diagonal of its box
-    #[arg(long, value_name = "LENGTH", value_parser = super::length)]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = super::length)]
     tolerance: Option<f64>,
 }
 
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
         let start = Instant::now();
-        if self.model.path().is_dir() {
+        if self.model.path().metadata().map_or(true, |m| m.is_dir()) {
             // What is wrong is the model, not the name that a file beside it would have.
             self.model.open(screen)?;
         }
@@ -110,7 +110,7 @@ impl Args {
                 .and_then(|f| nappe_exchange::check_target(path).map(|()| f))
             {
                 Ok(format) => files.push((path.clone(), format)),
-                Err(e) => problems.push(Problem::new(e.to_string())),
+                Err(e) => problems.push(output::problem(e)),
             }
         }
         if problems.is_empty() {

@@ -83,7 +83,7 @@ pub(crate) struct Args {
     bare: bool,
 
     /// The greatest distance between the drawn mesh and the surface, in the model's units. Default: too small to be seen
-    #[arg(long, value_name = "LENGTH", value_parser = super::length)]
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = super::length)]
     tolerance: Option<f64>,
 }
 
@@ -130,7 +130,10 @@ impl Args {
         let tolerance = self
             .tolerance
             .unwrap_or_else(|| scene::share_of_size(&model, PIXEL_SHARE / longest));
-        let mut scene = scene::scene(&model, tolerance, self.tolerance, screen)?;
+        let (mut scene, left_out) = match self.tolerance {
+            None => scene::visible(&model, tolerance, screen)?,
+            asked => (scene::scene(&model, tolerance, asked, screen)?, Vec::new()),
+        };
         let options = self.options(&model, &mut scene);
         let mut picture = Picture::new(&scene, options).lines(self.lines(&model, tolerance)?);
         if self.nets {
@@ -150,6 +153,18 @@ impl Args {
         ));
         for note in report.notes {
             screen.note(note);
+        }
+        if !left_out.is_empty() {
+            screen.note(format!(
+                "note: too small to be seen at this size, and not drawn: {}\n  help: to see it, draw it alone, with the rest \
+                 construction_only = true",
+                left_out.join(", ")
+            ));
+        }
+        if self.nets {
+            without_net(&model)
+                .iter()
+                .for_each(|note| screen.note(note));
         }
         Ok(())
     }
@@ -257,6 +272,40 @@ fn net(s: &NamedSurface) -> Option<Net> {
         nurbs.control_points(),
         nurbs.size()[1],
     ))
+}
+
+/// Why surfaces have no net, in words.
+fn without_net(model: &Model) -> Vec<String> {
+    let without: Vec<&NamedSurface> = model.output().filter(|s| net(s).is_none()).collect();
+    let (same_points, none): (Vec<_>, Vec<_>) = without
+        .into_iter()
+        .partition(|s| s.surface.to_rational().is_some());
+    let names = |list: &[&NamedSurface]| {
+        let names: Vec<String> = list
+            .iter()
+            .map(|s| format!("{} ({})", s.name, s.kind))
+            .collect();
+        names.join(", ")
+    };
+    let mut notes = Vec::new();
+    if !same_points.is_empty() {
+        let help = if same_points.iter().any(|s| s.kind == "revolution") {
+            "\n  help: a revolution with construction = \"rational\" has one"
+        } else {
+            ""
+        };
+        notes.push(format!(
+            "note: no control net is drawn for {}: its points are those of a NURBS surface, but its parameters are not{help}",
+            names(&same_points)
+        ));
+    }
+    if !none.is_empty() {
+        notes.push(format!(
+            "note: no control net is drawn for {}: it has no exact NURBS form, since it is not a piecewise rational function",
+            names(&none)
+        ));
+    }
+    notes
 }
 
 /// Says early what would keep the picture from being written.

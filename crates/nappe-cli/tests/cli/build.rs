@@ -207,6 +207,11 @@ fn a_folder_that_may_not_be_written_to_is_told() {
     }
     let run = folder.nappe("build model.nappe.toml -o locked/out.glb");
     assert!(run.problem().contains("locked/out.glb"), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("check the permissions"),
+        "{}",
+        run.stderr
+    );
     assert_eq!(std::fs::read_dir(&locked).unwrap().count(), 0);
 }
 
@@ -249,5 +254,119 @@ fn sides_that_nearly_meet_are_noted() {
             .stderr
             .contains("a.east and b.west nearly meet, but with a gap of 0.005 mm");
         assert_eq!(told, noted, "{}", run.stderr);
+    }
+}
+
+/// A long side that two shorter ones meet, and rings that start at different points.
+const IN_PART: &str = r#"
+[surfaces.a]
+kind = "bilinear"
+corners = [[[0, 0, 0], [0, 1, 0]], [[2, 0, 0], [2, 1, 0]]]
+[surfaces.b]
+kind = "bilinear"
+corners = [[[0, 1, 0], [0, 2, 0]], [[1, 1, 0], [1, 2, 0]]]
+[surfaces.c]
+kind = "bilinear"
+corners = [[[1, 1, 0], [1, 2, 0]], [[2, 1, 0], [2, 2, 0]]]
+[surfaces.low]
+kind = "revolution"
+profile = { kind = "line", from = [1, 0, 5], to = [1, 0, 6] }
+[surfaces.high]
+kind = "revolution"
+profile = { kind = "line", from = [1, 0, 6], to = [2, 0, 7] }
+start = "90deg"
+"#;
+
+#[test]
+fn sides_that_meet_in_part_are_noted_with_the_place_to_split() {
+    let folder = Folder::with_model(IN_PART);
+    for command in ["build model.nappe.toml -o a.stl", "check model.nappe.toml"] {
+        let run = folder.nappe(command);
+        assert_eq!(run.code, 0, "{}", run.stderr);
+        for text in [
+            "b.south lies along part of a.north, from (0, 1, 0) to (1, 1, 0): they are not joined",
+            "c.south lies along part of a.north, from (1, 1, 0) to (2, 1, 0): they are not joined",
+            "help: split a at u = 0.5, so that whole sides meet",
+            "high.west lies along low.east all the way round, but they start at different points",
+            "help: let both start at one point; high.west starts at (0, 1, 6)",
+        ] {
+            assert!(run.stderr.contains(text), "{text}: {}", run.stderr);
+        }
+        assert_eq!(
+            run.stderr.matches("not watertight there").count(),
+            3,
+            "{}",
+            run.stderr
+        );
+    }
+    let mended = IN_PART.replace("start = \"90deg\"", "");
+    let folder = Folder::with_model(&mended);
+    let run = folder.nappe("build model.nappe.toml -o a.stl");
+    assert_eq!(
+        run.stderr.matches("not watertight there").count(),
+        2,
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn every_refusal_to_write_has_its_remedy() {
+    let folder = Folder::with_model(MODEL);
+    folder.write("file", "");
+    std::fs::create_dir(folder.path("folder.stl")).unwrap();
+    for (target, told, remedy) in [
+        (
+            "none/a.stl",
+            "the directory none does not exist",
+            "make it first",
+        ),
+        (
+            "file/a.stl",
+            "file is not a directory",
+            "choose another name",
+        ),
+        (
+            "file/deep/a.stl",
+            "file is not a directory",
+            "choose another name",
+        ),
+        ("folder.stl", "is a directory", "choose another name"),
+    ] {
+        for command in ["build", "render"] {
+            let target = if command == "render" {
+                target.replace("stl", "png")
+            } else {
+                target.to_owned()
+            };
+            if command == "render" && target == "folder.png" {
+                continue;
+            }
+            let run = folder.nappe(&format!("{command} model.nappe.toml -o {target}"));
+            let text = run.problem().replace("\n  │ ", " ");
+            assert!(
+                text.contains(told) && text.contains(remedy),
+                "{target}: {text}"
+            );
+        }
+    }
+    let run = folder.nappe("build file/model.nappe.toml");
+    assert!(run.problem().contains("help: "), "{}", run.stderr);
+    assert_eq!(folder.names(), ["file", "folder.stl", "model.nappe.toml"]);
+}
+
+#[test]
+fn a_negative_tolerance_is_named_as_what_it_is() {
+    let folder = Folder::with_model(MODEL);
+    for command in ["build model.nappe.toml", "render model.nappe.toml -o a.png"] {
+        for argument in ["=-1", "=-0.5e-3", "=0", "=-inf", " -1"] {
+            let run = folder.nappe(&format!("{command} --tolerance{argument}"));
+            assert_eq!(run.code, 2);
+            assert!(
+                run.stderr.contains("is not a length greater than zero"),
+                "{argument}: {}",
+                run.stderr
+            );
+        }
     }
 }

@@ -2,8 +2,9 @@
 
 use super::colour::ColourMap;
 use crate::scene::Field;
+use nappe::Mesh;
 
-/// Values beyond these shares of all values do not stretch the colours, if they lie far off.
+/// Values beyond these shares of the area do not stretch the colours, if they lie far off.
 const PERCENTILES: [f64; 2] = [0.02, 0.98];
 /// Colours are clipped only where that leaves less than this share of the whole range: a mild tail is shown in full.
 const MILD: f64 = 0.6;
@@ -26,29 +27,39 @@ pub(crate) struct Scale {
 }
 
 impl Scale {
-    /// The scale for the finite values of a field; `range` replaces the automatic one.
+    /// The scale for the finite values of a field, each with its weight; `range` replaces the automatic one.
     pub(crate) fn of(
         field: &Field,
         patches: &[usize],
+        weights: &[Vec<f64>],
         map: ColourMap,
         range: Option<[f64; 2]>,
     ) -> Scale {
-        let mut values: Vec<f64> = patches
+        let weighted = |&p: &usize| {
+            field.values[p]
+                .iter()
+                .copied()
+                .zip(weights[p].iter().copied())
+        };
+        let mut values: Vec<(f64, f64)> = patches
             .iter()
-            .flat_map(|&p| &field.values[p])
-            .copied()
-            .filter(|v| v.is_finite())
+            .flat_map(weighted)
+            .filter(|(v, _)| v.is_finite())
             .collect();
-        values.sort_by(f64::total_cmp);
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (least, most) = match (values.first(), values.last()) {
-            (Some(&a), Some(&b)) => (a, b),
+            (Some(&(a, _)), Some(&(b, _))) => (a, b),
             _ => (0.0, 0.0),
         };
+        let whole: f64 = values.iter().map(|(_, weight)| weight).sum();
+        // The first value that, with the smaller ones, has this share of the weight.
         let at = |share: f64| {
-            values
-                .get((share * (values.len() - 1) as f64).round() as usize)
-                .copied()
-                .unwrap_or(0.0)
+            let mut left = share * whole;
+            let reached = values.iter().find(|(_, weight)| {
+                left -= weight;
+                left <= 0.0
+            });
+            reached.map_or(most, |(v, _)| *v)
         };
         let (mut lo, mut hi) = match range {
             Some([a, b]) => (a.min(b), a.max(b)),
@@ -87,7 +98,10 @@ impl Scale {
             hi,
             ticks,
             step,
-            clipped: [least < lo - slack, most > hi + slack],
+            clipped: [
+                least < lo - slack || field.unbounded[0],
+                most > hi + slack || field.unbounded[1],
+            ],
         }
     }
 
@@ -105,6 +119,22 @@ impl Scale {
             _ => text,
         }
     }
+}
+
+/// The weights of the vertices of each patch: the areas of their triangles, so that a dense part of a mesh counts no more
+/// than a coarse one.
+pub(crate) fn areas(mesh: &Mesh) -> Vec<Vec<f64>> {
+    let of_patch = mesh.patches.iter().map(|patch| {
+        let mut areas = vec![0.0; patch.vertices.len()];
+        for t in &patch.triangles {
+            let point = |v: u32| mesh.points[patch.vertices[v as usize].point as usize];
+            let [a, b, c] = t.map(point);
+            let area = (b - a).cross(c - a).length();
+            t.iter().for_each(|&v| areas[v as usize] += area);
+        }
+        areas
+    });
+    of_patch.collect()
 }
 
 /// Multiples of 1, 2 or 5 times a power of ten, from the last at or below `lo` to the first at or above `hi`.
@@ -156,17 +186,35 @@ fn decimal(value: f64, step: f64) -> String {
 mod tests {
     use super::*;
 
+    fn weighted(values: &[f64], weights: &[f64], map: ColourMap, unbounded: [bool; 2]) -> Scale {
+        let field = Field {
+            name: String::new(),
+            unit: String::new(),
+            values: vec![values.to_vec()],
+            unbounded,
+        };
+        Scale::of(&field, &[0], &[weights.to_vec()], map, None)
+    }
+
     fn scale(values: Vec<f64>, map: ColourMap) -> Scale {
-        Scale::of(
-            &Field {
-                name: String::new(),
-                unit: String::new(),
-                values: vec![values],
-            },
-            &[0],
-            map,
-            None,
-        )
+        weighted(&values, &vec![1.0; values.len()], map, [false; 2])
+    }
+
+    #[test]
+    fn a_dense_corner_does_not_stretch_the_range_and_no_bound_is_said() {
+        // Half of the vertices crowd around a tip, where 1/r grows; they have a thousandth of the area.
+        let values: Vec<f64> = (1..=1000).map(|k| 1000.0 / f64::from(k)).collect();
+        let weights: Vec<f64> = values
+            .iter()
+            .map(|v| if *v > 2.0 { 1e-6 } else { 1e-3 })
+            .collect();
+        let s = weighted(&values, &weights, ColourMap::Auto, [false; 2]);
+        assert!(s.hi <= 3.0 && s.clipped == [false, true], "{s:?}");
+        // All values are shown, but there are larger ones beside them.
+        let s = weighted(&[0.0, 1.0, 2.0], &[1.0; 3], ColourMap::Auto, [false, true]);
+        assert_eq!(s.clipped, [false, true]);
+        assert!(s.label(s.ticks.len() - 1).starts_with("≥ "));
+        assert!(!s.label(0).contains('≤'));
     }
 
     #[test]

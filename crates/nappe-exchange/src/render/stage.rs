@@ -4,7 +4,7 @@ use super::colour::{mapped, rgb};
 use super::light::Stuff;
 use super::lines::borders;
 use super::marks::{Mark, Theme, marks, reserve};
-use super::scale::Scale;
+use super::scale::{Scale, areas};
 use super::view::{Camera, Frame};
 use super::{Background, Line, Net, Paint, PictureOptions};
 use crate::scene::{Colour, Scene};
@@ -54,7 +54,9 @@ impl<'a> Stage<'a> {
         let scale = match options.paint {
             Paint::Field { index, map, range } => {
                 let patches: Vec<usize> = scene.parts.iter().map(|p| p.patch).collect();
-                Some(Scale::of(&scene.fields[index], &patches, map, range))
+                let weights = areas(&scene.mesh);
+                let field = &scene.fields[index];
+                Some(Scale::of(field, &patches, &weights, map, range))
             }
             _ => None,
         };

@@ -302,6 +302,7 @@ fn colours_of_a_field_are_those_of_the_legend() {
         name: "height <x>".into(),
         unit: "mm".into(),
         values,
+        unbounded: [false; 2],
     });
     let paint = Paint::Field {
         index: 0,

@@ -15,6 +15,7 @@ fn every_array_is_where_the_head_says() {
         name: "height < 1".into(),
         unit: "mm".into(),
         values,
+        unbounded: [false; 2],
     });
     let (report, bytes) = written(&scene, "vtu");
     let text = std::str::from_utf8(&bytes).unwrap();

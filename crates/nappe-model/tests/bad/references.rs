@@ -40,6 +40,28 @@ const ROWS: &[Row] = &[
         &["surface `s` → surface `s`"],
         "points",
     ),
+    // Near names are also those of parameters that failed themselves, or that come later.
+    (
+        "[params]\nradius = '1/0'\n[surfaces.s]\nkind = 'torus'\nmajor = 'radus'\nminor = 1",
+        (6, 10),
+        &["surface `s`", "there is no parameter or variable `radus`"],
+        "did you mean `radius`?",
+    ),
+    (
+        "[params]\nradius = 'heigth'\nheight = 3",
+        (3, 11),
+        &[
+            "parameter `radius`",
+            "there is no parameter or variable `heigth`",
+        ],
+        "did you mean `height`?",
+    ),
+    (
+        "[params]\nradius = '1/0'\n[surfaces.s]\nkind = 'torus'\nmajor = 'width'\nminor = 1",
+        (6, 10),
+        &["there is no parameter or variable `width`"],
+        "radius",
+    ),
     // Joins and checks.
     (
         "[surfaces.j]\nkind = 'join'\nsurfaces = ['a', 'b']\n[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'bilinear'\ncorners = [[[5,0,0],[5,1,0]],[[6,0,0],[6,1,0]]]",

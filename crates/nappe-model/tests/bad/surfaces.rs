@@ -17,6 +17,26 @@ const ROWS: &[Row] = &[
         "axis",
     ),
     (
+        "[surfaces.s]\nkind = 'revolution'\nprofile = { kind = 'polyline', points = [[1,0,0], [0,0,0], [0,0,1], [1,0,1]] }",
+        (4, 11),
+        &[
+            "surface `s`",
+            "lies on the axis from t = 0.3333",
+            "to t = 0.6666",
+        ],
+        "leave out",
+    ),
+    (
+        "[surfaces.s]\nkind = 'revolution'\nprofile = { kind = 'bezier', points = [[1,0,0], [-1.1,0,1], [1,0,2]] }",
+        (4, 11),
+        &[
+            "surface `s`",
+            "crosses the axis at t = 0.3908",
+            "reaches 0.05",
+        ],
+        "trim",
+    ),
+    (
         "[surfaces.s]\nkind = 'revolution'\nprofile = { kind = 'line', from = [1,0,0], to = [1,0,0] }",
         (4, 11),
         &["surface `s`", "single point"],
@@ -40,6 +60,17 @@ const ROWS: &[Row] = &[
         (5, 9),
         &["surface `s`", "reverse north"],
         "kind = \"reverse\"",
+    ),
+    (
+        "[surfaces.s]\nkind = 'coons'\nsouth = { kind = 'line', from = [0,0,0], to = [1,0,0] }\nnorth = { kind = 'line', from = [0,1,0], to = [4,1,0] }\nwest = { kind = 'line', from = [0,1,0], to = [0,0,0] }\neast = { kind = 'line', from = [1,0,0], to = [1,1,0] }",
+        (6, 8),
+        &[
+            "south-west",
+            "north-west",
+            "north-east",
+            "reverse west, which leaves a gap of 3.0",
+        ],
+        "reverse west",
     ),
     (
         "[surfaces.s]\nkind = 'coons'\nsouth = { kind = 'line', from = [0,0,0], to = [1,0,0] }\nnorth = { kind = 'line', from = [0,1,0], to = [1,1,0] }\nwest = { kind = 'line', from = [0,0,0], to = [0,1,0] }\neast = { kind = 'line', from = [1,0,0], to = [1,1,0] }\nblend = { trigonometric = '179.9999999deg' }",

@@ -21,6 +21,31 @@ pub(super) struct Apex {
     pub(super) gaussian: f64,
 }
 
+/// Which curvatures of a surface are proven to grow without bound towards a pole, as at the tip of a cone: for each
+/// whether to -∞ and whether to +∞. Only poles in sides are looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UnboundedCurvature {
+    /// The Gaussian curvature.
+    pub gaussian: [bool; 2],
+    /// The mean curvature.
+    pub mean: [bool; 2],
+}
+
+/// Which curvatures are unbounded. Cost: a few enclosures of order 3 for each piece of a side.
+pub fn unbounded_curvature(surface: &dyn Surface) -> UnboundedCurvature {
+    let mut found = UnboundedCurvature::default();
+    for apex in apexes(surface, super::size(surface)) {
+        for (which, sign) in [
+            (&mut found.gaussian, apex.gaussian),
+            (&mut found.mean, apex.principal),
+        ] {
+            which[0] |= sign < 0.0;
+            which[1] |= sign > 0.0;
+        }
+    }
+    found
+}
+
 /// Where a piece of a side is looked at: away from symmetries.
 const PLACES: [f64; 3] = [0.21, 0.53, 0.83];
 

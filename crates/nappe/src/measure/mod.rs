@@ -24,6 +24,7 @@ mod taylor;
 mod tear;
 mod volume;
 
+pub use apex::{UnboundedCurvature, unbounded_curvature};
 pub use area::area;
 pub use bodies::bodies;
 pub use continuity::{Continuity, SideOf, Smoothness, continuity};

@@ -9,6 +9,7 @@
 //!
 //! The layout and the triangles of different surfaces are independent of each other.
 
+use crate::breaks::Breaks;
 use crate::surface::{Dir, Surface, SurfaceRef};
 use glam::DVec3;
 use layout::{Demand, Layout, layout};
@@ -24,6 +25,7 @@ mod joints;
 mod layout;
 mod lines;
 mod options;
+mod partial;
 mod patch;
 pub(crate) mod shared;
 mod slide;
@@ -33,6 +35,7 @@ mod zip;
 pub use flatten::{FlatCurve, FlattenError, flatten};
 pub use joints::{Joint, Joints, joints};
 pub use options::{MeshError, MeshOptions, Progress};
+pub use partial::{PartialJoint, partial_joints};
 
 /// How far an approximating result is from the exact thing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +131,7 @@ const SAMPLES: usize = 16;
 /// Errors: see [`MeshError`]. Cost: proportional to the number of triangles, and some enclosures for each leaf.
 ///
 /// Limits: sides are joined whole. Where one side meets only a part of another, or two closed sides start at different
-/// points, the mesh has two borders that agree within the tolerance.
+/// points, the mesh has two borders that agree within the tolerance; [`partial_joints`] finds these.
 pub fn mesh(surfaces: &[SurfaceRef], options: &MeshOptions) -> Result<Mesh, MeshError> {
     let measures: Vec<Measure> = surfaces.iter().map(|s| Measure::of(s.as_ref())).collect();
     let diagonal = measures
@@ -184,6 +187,20 @@ impl Task<'_> {
         }
     }
 
+    /// The fewest cells along u and v in each block of a surface: between two lines that are one point, two.
+    fn least_cells(&self, i: usize) -> [f64; 2] {
+        let surface = self.surfaces[i].as_ref();
+        let mut least = self.shared.least_cells(i);
+        for (least, across) in least.iter_mut().zip([Dir::U, Dir::V]) {
+            let lines = surface.breaks(across).below(1).into_iter();
+            let mut lines = lines.map(|at| Edge::inside(surface, across, at));
+            if lines.any(|line| line.is_collapsed(self.weld)) {
+                *least = least.max(2.0);
+            }
+        }
+        least
+    }
+
     fn layouts(&self, plain: &[bool]) -> Result<Vec<Layout>, MeshError> {
         let max = self.options.max_triangles;
         let mut layouts: Vec<Layout> = Vec::with_capacity(self.surfaces.len());
@@ -197,7 +214,7 @@ impl Task<'_> {
             let demand = Demand {
                 surface: i,
                 tol: self.tol - self.rounding[i] - reserve,
-                least: self.shared.least_cells(i),
+                least: self.least_cells(i),
                 max: left,
                 plain: plain[i],
             };

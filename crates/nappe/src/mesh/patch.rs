@@ -146,6 +146,12 @@ impl Builder<'_> {
                     let point = self.add_point(uv, self.surface.point(uv))?;
                     let middle = self.add_vertex(&place, uv, point);
                     cell.fan(middle, |t| triangles.push(t));
+                } else if let Some(side) = self.collapsed_side(&cell, poles) {
+                    cell.around_tip(
+                        side,
+                        |t| self.quality(&place, t, poles),
+                        |t| triangles.push(t),
+                    );
                 } else {
                     cell.triangles(|t| self.quality(&place, t, poles), |t| triangles.push(t));
                 }
@@ -163,6 +169,15 @@ impl Builder<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The side of a cell that lies on a collapsed line.
+    fn collapsed_side(&self, cell: &Cell, poles: &[Pole]) -> Option<Side> {
+        Side::ALL.into_iter().find(|&side| {
+            let chain = cell.side(side);
+            chain.iter().all(|v| v & POLE != 0)
+                && self.point_of(chain[0], poles) == self.point_of(chain[chain.len() - 1], poles)
+        })
     }
 
     /// True if a cell is at a corner of the domain whose triangle may not be made.

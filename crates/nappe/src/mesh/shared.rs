@@ -14,7 +14,7 @@ use std::collections::HashMap;
 /// The number of samples along a side; partners between them are found by Newton's method from these.
 const SAMPLES: usize = 32;
 /// Finer samples among which the first guess of a partner is taken.
-const GUESSES: usize = 128;
+pub(super) const GUESSES: usize = 128;
 /// The most steps of Newton's method, and of halving in between.
 const STEPS: usize = 40;
 
@@ -82,7 +82,7 @@ impl<'a> Edge<'a> {
 
     /// The parameter in `within` of the point nearest to `p`, near `guess`: Newton's method on `(r - p)·r' = 0` with
     /// the step of Gauss, halved until the distance does not grow.
-    fn nearest(&self, p: DVec3, guess: f64, within: Interval) -> f64 {
+    pub(super) fn nearest(&self, p: DVec3, guess: f64, within: Interval) -> f64 {
         let mut t = guess.clamp(within.lo, within.hi);
         let mut best = self.point(t).distance(p);
         let mut d = [DVec3::ZERO; jet_len(1)];

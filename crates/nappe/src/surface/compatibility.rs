@@ -83,7 +83,7 @@ impl fmt::Display for Disagreement {
 pub struct Compatibility {
     /// The conditions missed, corner by corner.
     pub disagreements: Vec<Disagreement>,
-    /// The boundary curves to reverse, if that closes the contour or makes its greatest gap much smaller.
+    /// The boundary curves to reverse, if that closes two corners or more, or makes the gaps of these curves much smaller.
     pub reverse: Vec<Side>,
     /// The greatest gap left when they are reversed, a length.
     pub remaining: f64,

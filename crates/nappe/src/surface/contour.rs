@@ -52,7 +52,7 @@ pub enum ContourError {
         gaps: Vec<CornerGap>,
         /// The greatest gap allowed, a length.
         tol: f64,
-        /// The curves to reverse, if that closes the contour or makes its greatest gap much smaller.
+        /// The curves to reverse, if that closes two corners or more, or makes the gaps of these curves much smaller.
         reverse: Vec<Side>,
         /// The greatest gap left when they are reversed.
         remaining: f64,
@@ -123,7 +123,7 @@ impl Contour {
         let gap = greatest(&gaps);
         // NaN cannot occur: the ends are finite, and so the comparison below is meaningful.
         if gap > tol {
-            let (reverse, remaining) = best_reversal(&ends, gap, tol, greatest);
+            let (reverse, remaining) = best_reversal(&ends, tol);
             return Err(ContourError::Open {
                 gaps: gaps.into_iter().filter(|g| g.gap > tol).collect(),
                 tol,
@@ -214,37 +214,48 @@ fn corner_gaps(ends: &[[DVec3; 2]; 4]) -> [CornerGap; 4] {
     })
 }
 
-/// The fewest curves whose reversal closes the contour, or else those that leave the smallest gap if it is less than
-/// half of the present one.
-fn best_reversal(
-    ends: &[[DVec3; 2]; 4],
-    gap: f64,
-    tol: f64,
-    greatest: impl Fn(&[CornerGap; 4]) -> f64,
-) -> (Vec<Side>, f64) {
-    let mut masks: Vec<u32> = (1..16).collect();
-    masks.sort_by_key(|m| m.count_ones());
-    let (mut best, mut left) = (0, 0.5 * gap);
-    for m in masks {
+/// Sums of the same gaps in another order differ by rounding only.
+const SAME_SUM: f64 = 1.0 + 1e-12;
+
+/// The curves whose reversal leaves the smallest gaps, as few as possible, if it closes two corners or more or halves the
+/// sum of the gaps in their corners; and the greatest gap that is left. Gaps in other corners do not count: a contour may
+/// have a curve that is reversed and another that ends in the wrong place.
+fn best_reversal(ends: &[[DVec3; 2]; 4], tol: f64) -> (Vec<Side>, f64) {
+    let gaps = |mask: u32| {
         let mut e = *ends;
         for (i, pair) in e.iter_mut().enumerate() {
-            if m >> i & 1 == 1 {
+            if mask >> i & 1 == 1 {
                 pair.swap(0, 1);
             }
         }
-        let g = greatest(&corner_gaps(&e));
-        // Fewer reversals come first, so a further one must close what the best so far does not.
-        if g < left && !(best != 0 && left <= tol) {
-            (best, left) = (m, g);
-        }
-    }
+        // What is within the tolerance is closed.
+        corner_gaps(&e).map(|g| if g.gap > tol { g.gap } else { 0.0 })
+    };
+    let now = gaps(0);
+    let helps = |mask: u32| {
+        let left = gaps(mask);
+        let open = |gaps: [f64; 4]| gaps.iter().filter(|g| **g > 0.0).count();
+        let of_curves = |gaps: [f64; 4]| -> f64 {
+            let corners = Corner::ALL.into_iter().zip(gaps);
+            corners
+                .filter(|(c, _)| c.sides().iter().any(|s| mask >> (*s as u32) & 1 == 1))
+                .map(|(_, gap)| gap)
+                .sum()
+        };
+        open(left) + 2 <= open(now) || of_curves(left) < 0.5 * of_curves(now)
+    };
+    let sum = |mask: u32| gaps(mask).iter().sum::<f64>();
+    let mut masks: Vec<u32> = (1..16).filter(|m| helps(*m)).collect();
+    masks.sort_by_key(|m| m.count_ones());
+    let least = masks.iter().map(|m| sum(*m)).fold(f64::INFINITY, f64::min);
+    let best = masks.into_iter().find(|m| sum(*m) <= least * SAME_SUM);
+    let best = best.unwrap_or(0);
     let sides = Side::ALL.into_iter().enumerate();
-    let reverse: Vec<Side> = sides
-        .filter(|(i, _)| best >> i & 1 == 1)
-        .map(|(_, s)| s)
-        .collect();
-    let remaining = if reverse.is_empty() { gap } else { left };
-    (reverse, remaining)
+    let reverse = sides.filter(|(i, _)| best >> i & 1 == 1);
+    (
+        reverse.map(|(_, s)| s).collect(),
+        gaps(best).into_iter().fold(0.0, f64::max),
+    )
 }
 
 /// The diagonal of a box around points of the curves.
@@ -325,6 +336,42 @@ mod tests {
                 "{mask:b} {named:b}"
             );
         }
+    }
+
+    #[test]
+    fn a_reversed_curve_is_named_beside_another_gap() {
+        // West is reversed; besides, north or south ends too far, by less and by more than the reversal opens.
+        let far = |p: [f64; 3], by: f64| [p[0] + by, p[1], p[2]];
+        for by in [0.1, 5.0] {
+            for wrong in [Side::North, Side::South] {
+                let end = |side: Side, p| far(p, if side == wrong { by } else { 0.0 });
+                let open = Contour::new(
+                    line(P[0][0], end(Side::South, P[1][0])),
+                    line(P[0][1], end(Side::North, P[1][1])),
+                    line(P[0][1], P[0][0]),
+                    line(P[1][0], P[1][1]),
+                );
+                let Err(ContourError::Open {
+                    gaps,
+                    reverse,
+                    remaining,
+                    ..
+                }) = open
+                else {
+                    panic!("closed")
+                };
+                assert_eq!((gaps.len(), reverse), (3, vec![Side::West]));
+                assert!((remaining - by).abs() < 1e-12);
+            }
+        }
+        // A gap alone is no reason to reverse anything.
+        let open = Contour::new(
+            line(P[0][0], P[1][0]),
+            line(P[0][1], far(P[1][1], 0.1)),
+            line(P[0][0], P[0][1]),
+            line(P[1][0], P[1][1]),
+        );
+        assert!(matches!(open, Err(ContourError::Open { reverse, .. }) if reverse.is_empty()));
     }
 
     #[test]

@@ -16,6 +16,9 @@ macro_rules! evaluate_through {
         fn breaks(&$self, dir: $crate::surface::Dir) -> &[$crate::breaks::Break] {
             $form.breaks(dir)
         }
+        evaluate_through!($self => $form, but for breaks);
+    };
+    ($self:ident => $form:expr, but for breaks) => {
         fn jet_into(
             &$self,
             uv: [f64; 2],

@@ -3,8 +3,9 @@
 use super::axis_contact::{self, Contact};
 use super::sectors::Sectors;
 use super::turned::{net, turned};
-use super::{CoonsError, Elementary, Separable, Surface, SurfaceRef, elementary};
+use super::{CoonsError, Dir, Elementary, Separable, Surface, SurfaceRef, elementary};
 use crate::basis::{Framed, Turn};
+use crate::breaks::{Break, merge_breaks};
 use crate::curve::CurveRef;
 use crate::exact::{ConicArcs, NurbsCurve, NurbsSurface};
 use crate::frame::Frame;
@@ -152,7 +153,8 @@ impl Default for RevolutionOptions {
 ///
 /// Where the profile ends on the axis there is a pole: within 1e-12 of the profile's size (and the rounding of its
 /// coordinates) an end is moved onto the axis, so that the side collapses to one point. Touching the axis in between
-/// pinches the surface in a point and is allowed; crossing it, or lying on it, is an error. A contact is a crossing
+/// pinches the surface in a point and is allowed: that line `u = const` is one point, and counts as a break; crossing the
+/// axis, or lying on it, is an error. A contact is a crossing
 /// if the directions from the axis before and after it are more than a right angle apart. Contacts are found by
 /// excluding the rest of the profile with enclosures.
 ///
@@ -165,6 +167,7 @@ pub struct Revolution {
     options: RevolutionOptions,
     poles: [bool; 2],
     pinches: Vec<f64>,
+    breaks_u: Vec<Break>,
 }
 
 impl Revolution {
@@ -196,7 +199,13 @@ impl Revolution {
             Contact::Along { from, to } => return Err(RevolutionError::OnAxis { from, to }),
         };
         let form = form(&profile, &axis, &options, poles)?;
+        let range = form.domain()[0];
+        let pinches: Vec<f64> = pinches
+            .into_iter()
+            .map(|t| moved(t, domain, range))
+            .collect();
         Ok(Self {
+            breaks_u: with_pinches(form.as_ref(), &pinches),
             form,
             profile,
             axis,
@@ -210,9 +219,14 @@ impl Revolution {
     /// the ends, the joints and the middles of the arcs the parameters agree.
     pub fn with_arcs(&self) -> Self {
         let options = with_arcs(&self.options);
+        let form = by_arcs(&self.profile, &self.axis, &options, self.poles);
+        let [from, to] = [self.domain()[0], form.domain()[0]];
+        let pinches: Vec<f64> = self.pinches.iter().map(|&u| moved(u, from, to)).collect();
         Self {
-            form: by_arcs(&self.profile, &self.axis, &options, self.poles),
+            breaks_u: with_pinches(form.as_ref(), &pinches),
+            form,
             options,
+            pinches,
             ..self.clone()
         }
     }
@@ -241,6 +255,22 @@ impl Revolution {
     pub fn pinches(&self) -> &[f64] {
         &self.pinches
     }
+}
+
+/// A parameter of one domain at the same place in another.
+fn moved(t: f64, from: Interval, to: Interval) -> f64 {
+    if from == to {
+        t
+    } else {
+        to.lo + (to.hi - to.lo) * ((t - from.lo) / (from.hi - from.lo))
+    }
+}
+
+/// The breaks along u. At a pinch, where all of a line is one point, the surface is cut like at a corner, although its
+/// derivatives are continuous.
+fn with_pinches(form: &dyn Surface, pinches: &[f64]) -> Vec<Break> {
+    let pinches: Vec<Break> = pinches.iter().map(|&u| Break::new(u, 0)).collect();
+    merge_breaks([form.breaks(Dir::U), &pinches])
 }
 
 /// The options for the same points by rational arcs.
@@ -399,7 +429,14 @@ fn turned_by(mut arcs: ConicArcs, angle: f64) -> ConicArcs {
 }
 
 impl Surface for Revolution {
-    evaluate_through!(self => self.form);
+    fn breaks(&self, dir: Dir) -> &[Break] {
+        match dir {
+            Dir::U => &self.breaks_u,
+            Dir::V => self.form.breaks(dir),
+        }
+    }
+
+    evaluate_through!(self => self.form, but for breaks);
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {
         self.form.to_nurbs()

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::model::ModelArgs;
 use crate::scene;
 use crate::screen::Screen;
-use crate::slits::JOINED;
+use crate::slits::{self, JOINED};
 use crate::text::{Table, bound, number};
 use nappe::measure::{
     Continuity, Crease, Jump, JumpOptions, Regularity, Smoothness, continuity, creases, regularity,
@@ -63,6 +63,9 @@ impl Args {
             ReportFormat::Json => format!("{:#}\n", found.json()),
         };
         io::stdout().lock().write_all(text.as_bytes())?;
+        for note in slits::partial(&model, scene::tolerance(&model, None)) {
+            screen.note(note);
+        }
         if found.pass() {
             Ok(())
         } else {
