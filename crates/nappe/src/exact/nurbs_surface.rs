@@ -296,9 +296,8 @@ impl Surface for NurbsSurface {
     fn enclose_pieces(&self, [us, vs]: [&[Part]; 2], order: usize, out: &mut [Box3]) {
         let each = jet_len(order);
         check_length(us.len() * vs.len() * each, out.len());
-        let part = |basis: &BSplineBasis, &(t, limit): &Part| {
-            hull::Part::new(basis, t, limit, order)
-        };
+        let part =
+            |basis: &BSplineBasis, &(t, limit): &Part| hull::Part::new(basis, t, limit, order);
         let vs: Vec<_> = vs.iter().map(|p| part(&self.basis_v, p)).collect();
         let mut jets = out.chunks_exact_mut(each);
         for u in us.iter().map(|p| part(&self.basis_u, p)) {

@@ -79,9 +79,7 @@ fn join(hull: &mut Vec<Box3>, boxes: impl Iterator<Item = Box3>) {
     if hull.is_empty() {
         hull.extend(boxes);
     } else {
-        hull.iter_mut()
-            .zip(boxes)
-            .for_each(|(h, b)| *h = h.hull(b));
+        hull.iter_mut().zip(boxes).for_each(|(h, b)| *h = h.hull(b));
     }
 }
 
