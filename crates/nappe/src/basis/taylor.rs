@@ -18,13 +18,15 @@ const REMAINDER: f64 = 0.5 * f64::EPSILON;
 /// How many times more it may be for each derivative, relative to the greatest value over the width of a piece: with less,
 /// second derivatives, which lose such digits to rounding anyway, would ask for parts several times smaller.
 const LOSS: f64 = 8.0;
-/// What rounding may add relative to the greatest value, measured at the ends of each part. Blending functions by long
-/// formulas reach half of this; more says that the highest derivatives are wrong.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Where in a piece values are taken to find how large they are: not evenly, or waves would be sampled at their zeros.
+const SAMPLES: [f64; 5] = [0.0, 0.29, 0.5, 0.83, 1.0];
+/// What rounding may add relative to the greatest value, measured at the ends of each part: twice what the functions
+/// with the longest formulas differ by from one parameter to the next. More says that the highest derivatives are wrong.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// The most coefficients: half a megabyte, which stays in the second-level cache.
 const MOST: usize = 1 << 16;
 /// Halvings of a piece. Functions that need more are singular somewhere.
-const DEPTH: usize = 10;
+const DEPTH: usize = 16;
 
 /// Functions over parts of their pieces.
 pub(super) struct Taylor {
@@ -115,11 +117,13 @@ impl<'a> Source<'a> {
         let mut values: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, width);
         for k in 0..breaks.pieces() {
             let Interval { lo, hi } = breaks.piece(k);
-            for (t, limit) in [
-                (lo, Limit::Above),
-                (0.5 * (lo + hi), Limit::Above),
-                (hi, Limit::Below),
-            ] {
+            for share in SAMPLES {
+                let t = lo + (hi - lo) * share;
+                let limit = if share < 1.0 {
+                    Limit::Above
+                } else {
+                    Limit::Below
+                };
                 let active = functions.active(t, limit);
                 if active.len() != width {
                     return None;
@@ -191,5 +195,127 @@ impl<'a> Source<'a> {
             }
         }
         Some(powers)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{BSplineBasis, ExpressionFunctions, FunctionsRef, Stack, Table};
+    use super::super::{Trigonometric, Turn};
+    use super::*;
+    use crate::expr::Expr;
+    use crate::laws::Random;
+    use crate::simd::Plain;
+    use std::sync::Arc;
+
+    fn expression(text: &str, domain: [f64; 2]) -> FunctionsRef {
+        let bound = Expr::parse(text).unwrap().bind(&["t"], &[]).unwrap();
+        Arc::new(ExpressionFunctions::new([bound], domain).unwrap())
+    }
+
+    fn both(table: &Table, f: &FunctionsRef, t: f64) -> [Vec<f64>; 2] {
+        let mut out = [(); 2].map(|()| vec![0.0; 3 * f.count()]);
+        table.eval::<_, 3>(Plain, t, &mut out[0]);
+        f.jet_into(t, Limit::Above, 2, &mut out[1]);
+        out
+    }
+
+    /// The greatest differences of values and derivatives from those of the list itself, relative to their own greatest
+    /// values and those of the functions over powers of the width of a piece, in units in the last place.
+    fn worst(f: &FunctionsRef) -> [f64; 3] {
+        let (table, n) = (Table::taylor(f).unwrap(), f.count());
+        let values = Source::new(f.as_ref()).unwrap().sizes;
+        let (breaks, mut random) = (f.breaks(), Random(4));
+        let (mut off, mut sizes) = (vec![0.0f64; 3 * n], vec![0.0f64; 3 * n]);
+        let inside: Vec<f64> = (0..2000).map(|_| random.within(breaks.domain())).collect();
+        for t in inside.into_iter().chain(breaks.iter().map(|b| b.at)) {
+            let w = breaks.piece(breaks.find(t, Limit::Above)).width();
+            let [out, want] = both(&table, f, t);
+            for k in 0..3 * n {
+                off[k] = off[k].max((out[k] - want[k]).abs());
+                let least = values[k % n] / w.powi((k / n) as i32);
+                sizes[k] = sizes[k].max(want[k].abs()).max(least);
+            }
+        }
+        let relative: Vec<f64> = off.iter().zip(sizes).map(|(o, s)| o / s).collect();
+        [0, 1, 2].map(|k| {
+            relative[k * n..][..n]
+                .iter()
+                .fold(0.0, |a: f64, b| a.max(*b))
+                / f64::EPSILON
+        })
+    }
+
+    #[test]
+    fn values_and_derivatives_are_near() {
+        let mut lists: Vec<FunctionsRef> = vec![
+            Arc::new(Turn::new(0.3, 5.0)),
+            expression("exp(t) * sin(7 * t)", [-1.0, 2.0]),
+            expression("1 / (1 + 25 * t^2)", [-1.0, 1.0]),
+            expression("1e-200 * cosh(t)", [0.0, 2.0]),
+            expression("sin(2 * pi * t)", [0.0, 1.0]),
+            // Corners, where the piece above decides.
+            expression("abs(t - 0.3) * exp(t)", [0.0, 1.0]),
+        ];
+        for alpha in [1e-3, 0.5, 1.5, 2.5, 3.0] {
+            lists.push(Arc::new(Trigonometric::new(alpha).unwrap()));
+        }
+        for f in lists {
+            let [value, first, second] = worst(&f);
+            assert!(
+                value < 6.0 && first < 64.0 && second < 512.0,
+                "{value} {first} {second} for {f:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn polynomials_need_no_halving_and_share_their_pieces() {
+        let spline = |n| -> FunctionsRef {
+            let knots = BSplineBasis::clamped_uniform(3, n);
+            let basis: FunctionsRef = Arc::new(BSplineBasis::new(3, knots).unwrap());
+            let row: Vec<f64> = (0..n).map(|i| (i * i % 5) as f64).collect();
+            Arc::new(super::super::Combination::new(basis, &[&row]))
+        };
+        let list = Stack::new(vec![
+            spline(5),
+            spline(7),
+            Arc::new(BSplineBasis::bernstein(2)),
+        ]);
+        let taylor = Taylor::new(&list).unwrap();
+        // Knots at halves and at quarters.
+        assert_eq!((taylor.degree, taylor.parts.len(), taylor.width), (3, 4, 5));
+        let [value, first, second] = worst(&(Arc::new(list) as FunctionsRef));
+        assert!(
+            value < 4.0 && first < 32.0 && second < 64.0,
+            "{value} {first} {second}"
+        );
+    }
+
+    #[test]
+    fn what_is_singular_is_refused() {
+        // Almost: where the root's derivatives are infinite, expressions themselves are refused.
+        for (text, domain) in [
+            ("sqrt(t)", [1e-12, 1.0]),
+            ("sqrt(1 - t)", [0.0, 1.0 - 1e-12]),
+        ] {
+            assert!(Table::taylor(&expression(text, domain)).is_none(), "{text}");
+        }
+        // It has a table all the same: the functions as they are.
+        let f = expression("sqrt(t)", [1e-12, 1.0]);
+        let [out, want] = both(&Table::new(&f), &f, 0.3);
+        assert_eq!(out, want);
+    }
+
+    #[test]
+    fn beyond_the_domain_functions_are_evaluated_as_they_are() {
+        let f: FunctionsRef = Arc::new(Trigonometric::new(1.0).unwrap());
+        let table = Table::taylor(&f).unwrap();
+        for t in [-1.0, -1e-17, 1.0f64.next_up(), 9.0, 1e300] {
+            let [out, want] = both(&table, &f, t);
+            assert_eq!(out, want, "{t}");
+        }
+        let [out, _] = both(&table, &f, f64::NAN);
+        assert!(out.iter().all(|x| x.is_nan()));
     }
 }
