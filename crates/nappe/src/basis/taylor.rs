@@ -262,8 +262,9 @@ mod tests {
         }
         for f in lists {
             let [value, first, second] = worst(&f);
+            // Both sides of the comparison have the rounding of the functions' own formulas.
             assert!(
-                value < 6.0 && first < 64.0 && second < 512.0,
+                value < 8.0 && first < 16.0 && second < 64.0,
                 "{value} {first} {second} for {f:?}"
             );
         }
