@@ -189,7 +189,8 @@ impl<'a> Source<'a> {
             for (f, x) in values.iter().enumerate() {
                 let rows = powers.iter().skip(f).step_by(self.width);
                 let p = rows.rev().fold(0.0, |p, c| c + p * s);
-                if !((p - x).abs() <= ROUNDING * self.sizes[first + f]) {
+                let off = (p - x).abs();
+                if off.is_nan() || off > ROUNDING * self.sizes[first + f] {
                     return None;
                 }
             }
