@@ -28,6 +28,9 @@ impl Break {
     }
 }
 
+/// A part of a domain that lies in one analytic piece, with the limit that selects the piece.
+pub type Part = (Interval, Limit);
+
 /// The breaks of a map that is analytic on `[0, 1]`.
 pub const UNIT_BREAKS: [Break; 2] = [Break::new(0.0, 0), Break::new(1.0, 0)];
 
@@ -43,7 +46,7 @@ pub trait Breaks {
     /// [`Limit::Below`]. Parameters outside the domain belong to the first or last piece.
     fn find(&self, t: f64, limit: Limit) -> usize;
     /// The parts of `t` that lie in one piece each, with the limit that selects that piece.
-    fn parts(&self, t: Interval) -> Vec<(Interval, Limit)>;
+    fn parts(&self, t: Interval) -> Vec<Part>;
     /// The breaks where fewer than `smooth + 1` derivatives agree, without the ends.
     fn below(&self, smooth: i32) -> Vec<f64>;
     /// The first place where the map jumps.
@@ -79,7 +82,7 @@ impl Breaks for [Break] {
         }
     }
 
-    fn parts(&self, t: Interval) -> Vec<(Interval, Limit)> {
+    fn parts(&self, t: Interval) -> Vec<Part> {
         let first = self.find(t.lo, Limit::Below);
         let last = self.find(t.hi, Limit::Above);
         if first == last {

@@ -83,7 +83,7 @@ mod size;
 mod units;
 
 pub use box3::Box3;
-pub use breaks::{Break, Breaks, Limit, UNIT_BREAKS, merge_breaks};
+pub use breaks::{Break, Breaks, Limit, Part, UNIT_BREAKS, merge_breaks};
 pub use curve::{Curve, CurveRef};
 pub use exact::{NurbsCurve, NurbsSurface};
 pub use frame::{Frame, FrameError, cos_sin};

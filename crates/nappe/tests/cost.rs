@@ -4,23 +4,38 @@
 
 use nappe::basis::{Functions, FunctionsRef};
 use nappe::surface::{Core, Separable, Surface};
-use nappe::{Break, DVec3, DVec4, Interval, Limit, UNIT_BREAKS};
+use nappe::{Break, DVec3, DVec4, Interval, Limit};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// `1, t`, counting how often they are asked for.
-#[derive(Debug, Default)]
-struct Counting(AtomicUsize);
+/// `1, t` in some pieces, counting how often values and enclosures are asked for.
+#[derive(Debug)]
+struct Counting {
+    values: AtomicUsize,
+    enclosures: AtomicUsize,
+    breaks: Vec<Break>,
+}
+
+impl Counting {
+    fn new(pieces: usize) -> Arc<Self> {
+        let at = |k: usize| Break::new(k as f64 / pieces as f64, 1);
+        Arc::new(Self {
+            values: AtomicUsize::new(0),
+            enclosures: AtomicUsize::new(0),
+            breaks: (0..=pieces).map(at).collect(),
+        })
+    }
+}
 
 impl Functions for Counting {
     fn count(&self) -> usize {
         2
     }
     fn breaks(&self) -> &[Break] {
-        &UNIT_BREAKS
+        &self.breaks
     }
     fn jet_into(&self, t: f64, _limit: Limit, order: usize, out: &mut [f64]) {
-        self.0.fetch_add(1, Ordering::Relaxed);
+        self.values.fetch_add(1, Ordering::Relaxed);
         out[..2 * (order + 1)].fill(0.0);
         (out[0], out[1]) = (1.0, t);
         if order > 0 {
@@ -28,19 +43,35 @@ impl Functions for Counting {
         }
     }
     fn enclose_piece(&self, _t: Interval, _limit: Limit, _order: usize, out: &mut [Interval]) {
+        self.enclosures.fetch_add(1, Ordering::Relaxed);
         out.fill(Interval::ENTIRE);
     }
 }
 
+fn surface([u, v]: &[Arc<Counting>; 2]) -> Separable {
+    let (u, v): (FunctionsRef, FunctionsRef) = (u.clone(), v.clone());
+    let net = vec![DVec4::X, DVec4::Y, DVec4::Z, DVec4::ZERO];
+    Separable::polynomial(u, v, Core::Net(net), DVec3::ZERO)
+}
+
+#[test]
+fn an_enclosure_over_n_by_m_pieces_asks_each_side_twice_for_each_of_n_and_m() {
+    let sides = [Counting::new(13), Counting::new(9)];
+    let s = surface(&sides);
+    let bounds = s.bounds(s.domain());
+    assert!(!bounds.is_finite(), "these sides enclose nothing");
+    // Over the piece and in its middle.
+    let counts = [0, 1].map(|k: usize| sides[k].enclosures.load(Ordering::Relaxed));
+    assert_eq!(counts, [2 * 13, 2 * 9]);
+}
+
 #[test]
 fn a_grid_of_n_by_m_points_asks_each_side_n_and_m_times() {
-    let sides = [Arc::new(Counting::default()), Arc::new(Counting::default())];
-    let [u, v]: [FunctionsRef; 2] = [sides[0].clone(), sides[1].clone()];
-    let net = vec![DVec4::X, DVec4::Y, DVec4::Z, DVec4::ZERO];
-    let s = Separable::polynomial(u, v, Core::Net(net), DVec3::ZERO);
+    let sides = [Counting::new(1), Counting::new(1)];
+    let s = surface(&sides);
     let (n, m) = (50, 31);
     let t = |n: usize| (0..n).map(|i| i as f64 / n as f64).collect::<Vec<_>>();
-    let counts = || [0, 1].map(|k: usize| sides[k].0.swap(0, Ordering::Relaxed));
+    let counts = || [0, 1].map(|k: usize| sides[k].values.swap(0, Ordering::Relaxed));
     let mut out = vec![DVec3::ZERO; n * m];
     s.grid(&t(n), &t(m), &mut out);
     assert_eq!(counts(), [n, m]);
@@ -53,6 +84,9 @@ fn a_grid_of_n_by_m_points_asks_each_side_n_and_m_times() {
     assert_eq!(out[0][0], DVec3::X);
     let uv = vec![[0.5, 0.25]; 100];
     let mut out = vec![DVec3::ZERO; 100];
+    // The first list prepares the sides.
+    s.points(&uv, &mut out);
+    counts();
     s.points(&uv, &mut out);
     assert_eq!(counts(), [100, 100]);
     assert_eq!(out[99], DVec3::new(1.0, 0.25, 0.5));

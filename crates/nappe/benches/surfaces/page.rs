@@ -31,7 +31,9 @@ const BOUNDS: &str = "
   piece's middle, and the products with the net. Nets beyond the caches are walked through in their own order, a quarter
   of a million points at a time; there the time goes into waiting for memory, for the net and for results out of order.
 * **Sides that are no polynomials** (turns by angle, trigonometric blending, the Diagonal-key's turning functions,
-  expressions) are evaluated as single points are: lists of such kinds cost what their functions cost.
+  expressions) are taken by Taylor polynomials of degree 7 at most, where their remainder is proven to be below rounding;
+  preparing them takes the first list of a surface up to some tens of milliseconds. Near singular points no such
+  polynomial is near enough: these lists cost what their functions cost.
 * **mesh**: the enclosures that prove the tolerance.
 
 Grids are the same as single points to the last bit, with any instruction set and any number of threads. Lists are the

@@ -198,7 +198,9 @@ impl Functions for Stack {
         Some(PiecewiseRational::stack(&parts?))
     }
     fn table(&self) -> Option<Table> {
-        Some(Table::stack(&self.parts))
+        // Together the parts are found and evaluated once.
+        let whole: FunctionsRef = Arc::new(self.clone());
+        Table::taylor(&whole).or_else(|| Some(Table::stack(&self.parts)))
     }
 }
 
@@ -209,6 +211,7 @@ mod expression;
 mod framed;
 mod hermite;
 mod table;
+mod taylor;
 mod trigonometric;
 mod turn;
 

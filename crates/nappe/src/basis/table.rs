@@ -1,14 +1,17 @@
 //! Functions prepared for evaluation at many parameters.
 
 use super::FunctionsRef;
+use super::taylor::Taylor;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::exact::PiecewiseRational;
+use crate::interval::Interval;
 use crate::series::binomial;
 use crate::simd::{QUAD, Quads};
 use smallvec::SmallVec;
 
 /// A list of functions in a form that is quick to evaluate at many parameters: polynomials by powers of the distance
-/// from the middle of each piece, everything else as it is.
+/// from the middle of each piece, other analytic functions by their Taylor polynomials where these are proven to be near
+/// enough, everything else as it is.
 ///
 /// Values agree with [`Functions::jet_into`](super::Functions::jet_into) within a few units in the last place of the functions' size; not to the
 /// last bit.
@@ -21,6 +24,8 @@ pub struct Table {
 #[derive(Clone, Debug)]
 enum Part {
     Powers(Powers),
+    /// Good in the given domain; beyond it the functions are evaluated as they are.
+    Taylor(Powers, Interval, FunctionsRef),
     Exact(FunctionsRef),
 }
 
@@ -35,10 +40,27 @@ impl Table {
     /// The largest number of coefficients of a table that is made of all functions over all pieces.
     const LARGEST: usize = 1 << 20;
 
-    /// The table of a list: its own, or one that evaluates the list as it is.
+    /// The table of a list: its own, or one of Taylor polynomials, or one that evaluates the list as it is.
     pub(crate) fn new(functions: &FunctionsRef) -> Self {
-        functions.table().unwrap_or_else(|| Self {
+        let own = functions.table();
+        match own {
+            // Taylor polynomials need no division.
+            None => Self::taylor(functions),
+            Some(ref table) if table.is_quotient() => Self::taylor(functions).or(own),
+            own => own,
+        }
+        .unwrap_or_else(|| Self {
             parts: vec![Part::Exact(functions.clone())],
+            count: functions.count(),
+        })
+    }
+
+    /// The table of Taylor polynomials, if there is one that is near enough.
+    pub(crate) fn taylor(functions: &FunctionsRef) -> Option<Self> {
+        let powers = Taylor::new(functions.as_ref())?.into_powers();
+        let part = Part::Taylor(powers, functions.breaks().domain(), functions.clone());
+        Some(Self {
+            parts: vec![part],
             count: functions.count(),
         })
     }
@@ -60,13 +82,14 @@ impl Table {
             return None;
         }
         let denominators: Vec<_> = (0..pieces).map(|k| p.denominator(k)).collect();
-        let powers = Powers::new(p.breaks(), degree, width, vec![0; pieces], |piece, f| {
-            if f < count {
-                p.numerator(piece, f).to_vec()
-            } else {
-                denominators[piece].clone()
-            }
-        });
+        let powers =
+            Powers::of_bernstein(p.breaks(), degree, width, vec![0; pieces], |piece, f| {
+                if f < count {
+                    p.numerator(piece, f).to_vec()
+                } else {
+                    denominators[piece].clone()
+                }
+            });
         Some(Self::one(powers, count, p.is_rational()))
     }
 
@@ -80,7 +103,7 @@ impl Table {
         bernstein: impl Fn(usize, usize) -> Vec<f64>,
     ) -> Option<Self> {
         (degree <= Self::MAX_DEGREE).then(|| {
-            let powers = Powers::new(breaks, degree, degree + 1, first, bernstein);
+            let powers = Powers::of_bernstein(breaks, degree, degree + 1, first, bernstein);
             Self::one(powers, count, false)
         })
     }
@@ -91,6 +114,11 @@ impl Table {
             parts: vec![Part::Powers(powers)],
             count,
         }
+    }
+
+    /// True if all functions have one denominator.
+    fn is_quotient(&self) -> bool {
+        matches!(&self.parts[..], [Part::Powers(p)] if p.rational)
     }
 
     /// The polynomial part, if it is the only one and without denominator.
@@ -110,9 +138,12 @@ impl Table {
         t: f64,
         out: &mut [f64],
     ) -> (usize, usize) {
-        if let [Part::Powers(p)] = &self.parts[..]
-            && !p.rational
-        {
+        let whole = match &self.parts[..] {
+            [Part::Powers(p)] if !p.rational => Some(p),
+            [Part::Taylor(p, domain, _)] if domain.contains(t) => Some(p),
+            _ => None,
+        };
+        if let Some(p) = whole {
             let (piece, s) = p.locate(t);
             p.rows::<Q, ROWS>(q, piece, s, p.width, out);
             return (p.first[piece], p.width);
@@ -121,7 +152,12 @@ impl Table {
         for part in &self.parts {
             start += match part {
                 Part::Powers(p) => p.write::<Q, ROWS>(q, t, start, self.count, out),
-                Part::Exact(f) => exact::<ROWS>(f, t, start, self.count, out),
+                Part::Taylor(p, domain, _) if domain.contains(t) => {
+                    p.write::<Q, ROWS>(q, t, start, self.count, out)
+                }
+                Part::Taylor(_, _, f) | Part::Exact(f) => {
+                    exact::<ROWS>(f, t, start, self.count, out)
+                }
             };
         }
         (0, self.count)
@@ -173,28 +209,45 @@ pub(crate) struct Powers {
 }
 
 impl Powers {
-    fn new(
+    /// From the Bernstein coefficients of the active functions over each piece.
+    fn of_bernstein(
         breaks: &[Break],
         degree: usize,
         width: usize,
         first: Vec<usize>,
         bernstein: impl Fn(usize, usize) -> Vec<f64>,
     ) -> Self {
+        let to_powers = powers_of_bernstein(degree);
+        let power = |b: &[f64], k: usize| b.iter().zip(&to_powers).map(|(b, m)| b * m[k]).sum();
+        let powers = |piece, f| {
+            let b = bernstein(piece, f);
+            (0..=degree).map(|k| power(&b, k)).collect()
+        };
+        Self::new(breaks, degree, width, first, powers)
+    }
+
+    /// From the coefficients of the powers of s of the active functions over each piece, lowest first.
+    pub(super) fn new(
+        breaks: &[Break],
+        degree: usize,
+        width: usize,
+        first: Vec<usize>,
+        powers: impl Fn(usize, usize) -> Vec<f64>,
+    ) -> Self {
         let pieces = breaks.pieces();
         let domain = breaks.domain();
-        let to_powers = powers_of_bernstein(degree);
         let padded = width.next_multiple_of(QUAD);
         let mut coefficients = Vec::with_capacity(pieces * padded * (degree + 1));
         let mut local = Vec::with_capacity(pieces);
         for piece in 0..pieces {
             let range = breaks.piece(piece);
             local.push([range.mid(), 2.0 / (range.hi - range.lo)]);
-            let all: Vec<_> = (0..width).map(|f| bernstein(piece, f)).collect();
+            let all: Vec<_> = (0..width).map(|f| powers(piece, f)).collect();
             for four in all.chunks(QUAD) {
                 for k in 0..=degree {
                     let mut row = [0.0; QUAD];
-                    for (c, b) in row.iter_mut().zip(four) {
-                        *c = b.iter().zip(&to_powers).map(|(b, m)| b * m[k]).sum();
+                    for (c, p) in row.iter_mut().zip(four) {
+                        *c = p[k];
                     }
                     coefficients.extend(row);
                 }

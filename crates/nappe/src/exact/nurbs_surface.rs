@@ -7,9 +7,11 @@ use super::spline::{Row, join};
 use super::{NurbsError, PiecewiseRational};
 use crate::basis::{BSplineBasis, Functions, KnotError};
 use crate::box3::Box3;
-use crate::breaks::{Break, Breaks, Limit};
+use crate::breaks::{Break, Breaks, Limit, Part};
 use crate::interval::Interval;
-use crate::surface::{Core, Dir, Separable, Surface, enclose_centred, jet_len};
+use crate::surface::{
+    Core, Dir, Separable, Surface, check_length, enclose_centred, enclose_direct, jet_len,
+};
 use glam::{DVec3, DVec4, Vec4Swizzles};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -287,42 +289,31 @@ impl Surface for NurbsSurface {
     }
 
     fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
-        let u = hull::Part::new(&self.basis_u, uv[0], limit[0], order);
-        let v = hull::Part::new(&self.basis_v, uv[1], limit[1], order);
-        self.enclose_part([&u, &v], order, out);
+        let part = |d: usize| [(uv[d], limit[d])];
+        self.enclose_pieces([&part(0), &part(1)], order, out);
+    }
+
+    fn enclose_pieces(&self, [us, vs]: [&[Part]; 2], order: usize, out: &mut [Box3]) {
+        let each = jet_len(order);
+        check_length(us.len() * vs.len() * each, out.len());
+        let part =
+            |basis: &BSplineBasis, &(t, limit): &Part| hull::Part::new(basis, t, limit, order);
+        let vs: Vec<_> = vs.iter().map(|p| part(&self.basis_v, p)).collect();
+        let mut jets = out.chunks_exact_mut(each);
+        for u in us.iter().map(|p| part(&self.basis_u, p)) {
+            for (v, jet) in vs.iter().zip(&mut jets) {
+                self.enclose_part([&u, v], order, jet);
+            }
+        }
     }
 
     /// The hulls of a polynomial surface converge at second order by themselves, and so do not need the centred form.
     fn enclose(&self, uv: [Interval; 2], order: usize) -> Vec<Box3> {
-        let parts = |d: Dir, uv: Interval| self.breaks(d).parts(uv);
-        let (in_u, in_v) = (parts(Dir::U, uv[0]), parts(Dir::V, uv[1]));
-        let mut whole: Option<Vec<Box3>> = None;
-        let mut add = |boxes: Vec<Box3>| {
-            whole = Some(match whole.take() {
-                None => boxes,
-                Some(w) => w.into_iter().zip(boxes).map(|(a, b)| a.hull(b)).collect(),
-            });
-        };
         if self.is_rational() {
-            for &(u, limit_u) in &in_u {
-                for &(v, limit_v) in &in_v {
-                    add(enclose_centred(self, [u, v], [limit_u, limit_v], order));
-                }
-            }
+            enclose_centred(self, uv, order)
         } else {
-            let part = |basis: &BSplineBasis, &(t, limit): &(Interval, Limit)| {
-                hull::Part::new(basis, t, limit, order)
-            };
-            let vs: Vec<_> = in_v.iter().map(|p| part(&self.basis_v, p)).collect();
-            for u in in_u.iter().map(|p| part(&self.basis_u, p)) {
-                for v in &vs {
-                    let mut boxes = vec![Box3::ENTIRE; jet_len(order)];
-                    self.enclose_part([&u, v], order, &mut boxes);
-                    add(boxes);
-                }
-            }
+            enclose_direct(self, uv, order)
         }
-        whole.unwrap_or_default()
     }
 
     fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {

@@ -1,7 +1,7 @@
 //! Parametric surfaces: one trait, one engine for everything separable, one file per kind.
 
 use crate::box3::Box3;
-use crate::breaks::{Break, Breaks, Limit};
+use crate::breaks::{Break, Breaks, Limit, Part};
 use crate::exact::NurbsSurface;
 use crate::interval::Interval;
 use glam::DVec3;
@@ -37,6 +37,14 @@ macro_rules! evaluate_through {
         ) {
             $form.enclose_piece(uv, limit, order, out);
         }
+        fn enclose_pieces(
+            &$self,
+            parts: [&[$crate::breaks::Part]; 2],
+            order: usize,
+            out: &mut [$crate::box3::Box3],
+        ) {
+            $form.enclose_pieces(parts, order, out);
+        }
         fn jets(&$self, uv: &[[f64; 2]], order: usize, out: &mut [glam::DVec3]) {
             $form.jets(uv, order, out);
         }
@@ -53,6 +61,7 @@ mod axis_contact;
 mod bilinear;
 mod biquadratic;
 mod bulk;
+mod centred;
 mod collapsed;
 mod compatibility;
 mod contour;
@@ -79,6 +88,8 @@ mod sides;
 mod torus;
 mod transformed;
 mod turned;
+
+pub(crate) use centred::{enclose_centred, enclose_direct};
 
 pub use bilinear::{BilinearError, bilinear};
 pub use biquadratic::{BiquadraticError, biquadratic};
@@ -202,7 +213,7 @@ pub trait Surface: Debug + Send + Sync {
     /// Positions agree with [`Surface::jet`] within 4 units in the last place of the surface's size, derivatives
     /// likewise relative to that size over the width of a piece. Each depends on its own
     /// parameters alone, not on the rest of the list. The first list of a surface prepares its sides, which costs some
-    /// microseconds. Panics if `out` has another length.
+    /// microseconds, and up to some tens of milliseconds where they are no polynomials. Panics if `out` has another length.
     fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
         let each = jet_len(order);
         check_length(uv.len() * each, out.len());
@@ -231,21 +242,23 @@ pub trait Surface: Debug + Send + Sync {
         }
     }
 
+    /// [`Surface::enclose_piece`] for every pair of a part of u and a part of v, each part in one analytic piece:
+    /// `jet_len(order)` boxes a pair, v fastest. Separable surfaces evaluate each part once. Panics if `out` has another
+    /// length.
+    fn enclose_pieces(&self, parts: [&[Part]; 2], order: usize, out: &mut [Box3]) {
+        let each = jet_len(order);
+        let [us, vs] = parts;
+        check_length(us.len() * vs.len() * each, out.len());
+        let pairs = us.iter().flat_map(|u| vs.iter().map(move |v| (u, v)));
+        for (out, (&(u, in_u), &(v, in_v))) in out.chunks_exact_mut(each).zip(pairs) {
+            self.enclose_piece([u, v], [in_u, in_v], order, out);
+        }
+    }
+
     /// Boxes that enclose the point and its derivatives up to `order` over a rectangle, breaks included, placed by
     /// [`jet_index`]. Converges at second order: a centred Taylor form is intersected with the direct enclosure.
     fn enclose(&self, uv: [Interval; 2], order: usize) -> Vec<Box3> {
-        let mut hull: Option<Vec<Box3>> = None;
-        let in_v = self.breaks(Dir::V).parts(uv[1]);
-        for (u, limit_u) in self.breaks(Dir::U).parts(uv[0]) {
-            for &(v, limit_v) in &in_v {
-                let boxes = enclose_centred(self, [u, v], [limit_u, limit_v], order);
-                hull = Some(match hull {
-                    None => boxes,
-                    Some(h) => h.into_iter().zip(boxes).map(|(a, b)| a.hull(b)).collect(),
-                });
-            }
-        }
-        hull.unwrap_or_default()
+        enclose_centred(self, uv, order)
     }
 
     /// A box that contains the surface over a rectangle of parameters.
@@ -262,46 +275,6 @@ pub(crate) fn check_length(needed: usize, given: usize) {
 /// The parameter pairs of a grid, v fastest.
 fn pairs<'a>(u: &'a [f64], v: &'a [f64]) -> impl Iterator<Item = [f64; 2]> + 'a {
     u.iter().flat_map(|&u| v.iter().map(move |&v| [u, v]))
-}
-
-/// The centred form: `∂ r(box) ⊂ Σ_{|a|<2} ∂ᵃ∂ r(m) (p - m)ᵃ/a! + Σ_{|a|=2} ∂ᵃ∂ r(box) (p - m)ᵃ/a!`.
-pub(crate) fn enclose_centred<F: Surface + ?Sized>(
-    surface: &F,
-    uv: [Interval; 2],
-    limit: [Limit; 2],
-    order: usize,
-) -> Vec<Box3> {
-    let mut raw = vec![Box3::ENTIRE; jet_len(order + 2)];
-    surface.enclose_piece(uv, limit, order + 2, &mut raw);
-    if uv[0].is_point() && uv[1].is_point() {
-        raw.truncate(jet_len(order));
-        return raw;
-    }
-    let m = uv.map(Interval::mid);
-    let mut at = vec![Box3::ENTIRE; jet_len(order + 1)];
-    surface.enclose_piece(m.map(Interval::point), limit, order + 1, &mut at);
-    let [hu, hv] = [uv[0] - Interval::point(m[0]), uv[1] - Interval::point(m[1])];
-    let half = Interval::point(0.5);
-    let (huu, huv, hvv) = (hu.sqr() * half, hu * hv, hv.sqr() * half);
-    let mut out = Vec::with_capacity(jet_len(order));
-    for n in 0..=order {
-        for j in 0..=n {
-            let i = n - j;
-            let x = |a: usize, b: usize| jet_index(i + a, j + b);
-            let centred = at[x(0, 0)]
-                + at[x(1, 0)].scale(hu)
-                + at[x(0, 1)].scale(hv)
-                + raw[x(2, 0)].scale(huu)
-                + raw[x(1, 1)].scale(huv)
-                + raw[x(0, 2)].scale(hvv);
-            out.push(if centred.is_finite() {
-                centred.meet(raw[x(0, 0)])
-            } else {
-                raw[x(0, 0)]
-            });
-        }
-    }
-    out
 }
 
 /// A point of a surface with its partial derivatives.

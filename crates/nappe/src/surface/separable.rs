@@ -6,7 +6,7 @@
 use super::{Dir, Surface, check_length, grid, jet_index, jet_len, list, pairs};
 use crate::basis::{FunctionsRef, TABLE_ORDER, Table, room};
 use crate::box3::Box3;
-use crate::breaks::{Break, Limit};
+use crate::breaks::{Break, Limit, Part};
 use crate::exact::NurbsSurface;
 use crate::interval::Interval;
 use crate::scalar::Scalar;
@@ -249,6 +249,36 @@ impl Separable {
         }
     }
 
+    /// Encloses the surface over the product of two parts.
+    fn enclose_product(&self, [u, v]: [&Enclosed; 2], order: usize, out: &mut [Box3]) {
+        let shift = self.rational.then(|| {
+            let mut p = [DVec3::ZERO];
+            let middle = [u, v].map(|side| side.part.0.mid());
+            self.jet_into(middle, [u.part.1, v.part.1], 0, &mut p);
+            let p = p[0] - self.origin;
+            if p.is_finite() { p } else { DVec3::ZERO }
+        });
+        let lifted = shift.map(|p| p.to_array().map(Interval::point));
+        let (zero, count) = ([Interval::ZERO; 4], v.active.len());
+        let mut k: SmallVec<[[Interval; 4]; 16]> = SmallVec::from_elem(zero, (order + 1) * count);
+        let centre = self.u.sums_to_one() && matches!(self.core, Core::Net(_));
+        let active = [u, v].map(|side| side.active.clone());
+        self.collapse(&u.jet, active, lifted, centre, &mut k);
+        let mut h: SmallVec<[[Interval; 4]; 16]> = SmallVec::from_elem(zero, jet_len(order));
+        let centre = self.v.sums_to_one();
+        Self::contract(&mut k, &v.jet, count, order, centre, &mut h);
+        let mut r: SmallVec<[[Interval; 3]; 16]> =
+            SmallVec::from_elem([Interval::ZERO; 3], jet_len(order));
+        self.dehomogenise(&h, order, &mut r);
+        for (o, r) in out.iter_mut().zip(&r) {
+            *o = Box3::from(*r);
+        }
+        if let Some(p) = shift {
+            out[0] = out[0] + Box3::point(p);
+        }
+        out[0] = out[0] + Box3::point(self.origin);
+    }
+
     /// The derivatives of `r - origin` (or `r - origin - shift` if rational), written over homogeneous ones.
     pub(crate) fn dehomogenise<S: Scalar>(&self, h: &[[S; 4]], order: usize, out: &mut [[S; 3]]) {
         for n in 0..=order {
@@ -277,6 +307,24 @@ impl Separable {
                 out[at] = [s[0] / w, s[1] / w, s[2] / w];
             }
         }
+    }
+}
+
+/// The active functions of one side, enclosed over a part of its domain.
+struct Enclosed {
+    part: Part,
+    active: Range<usize>,
+    /// Row-major by derivative.
+    jet: SmallVec<[Interval; 32]>,
+}
+
+impl Enclosed {
+    fn new(functions: &FunctionsRef, part: Part, order: usize) -> Self {
+        let (t, limit) = part;
+        let active = functions.active(t.mid(), limit);
+        let mut jet = SmallVec::from_elem(Interval::ENTIRE, (order + 1) * active.len());
+        functions.enclose_piece(t, limit, order, &mut jet);
+        Self { part, active, jet }
     }
 }
 
@@ -370,39 +418,21 @@ impl Surface for Separable {
     }
 
     fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
-        let m = uv.map(Interval::mid);
-        let (ra, rb) = (self.u.active(m[0], limit[0]), self.v.active(m[1], limit[1]));
-        let mut a: SmallVec<[Interval; 32]> =
-            SmallVec::from_elem(Interval::ENTIRE, (order + 1) * ra.len());
-        let mut b: SmallVec<[Interval; 32]> =
-            SmallVec::from_elem(Interval::ENTIRE, (order + 1) * rb.len());
-        self.u.enclose_piece(uv[0], limit[0], order, &mut a);
-        self.v.enclose_piece(uv[1], limit[1], order, &mut b);
-        let shift = self.rational.then(|| {
-            let mut p = [DVec3::ZERO];
-            self.jet_into(m, limit, 0, &mut p);
-            let p = p[0] - self.origin;
-            if p.is_finite() { p } else { DVec3::ZERO }
-        });
-        let lifted = shift.map(|p| p.to_array().map(Interval::point));
-        let zero = [Interval::ZERO; 4];
-        let mut k: SmallVec<[[Interval; 4]; 16]> =
-            SmallVec::from_elem(zero, (order + 1) * rb.len());
-        let centre = self.u.sums_to_one() && matches!(self.core, Core::Net(_));
-        self.collapse(&a, [ra, rb.clone()], lifted, centre, &mut k);
-        let mut h: SmallVec<[[Interval; 4]; 16]> = SmallVec::from_elem(zero, jet_len(order));
-        let centre = self.v.sums_to_one();
-        Self::contract(&mut k, &b, rb.len(), order, centre, &mut h);
-        let mut r: SmallVec<[[Interval; 3]; 16]> =
-            SmallVec::from_elem([Interval::ZERO; 3], jet_len(order));
-        self.dehomogenise(&h, order, &mut r);
-        for (o, r) in out.iter_mut().zip(&r) {
-            *o = Box3::from(*r);
+        let side = |f: &FunctionsRef, d: usize| Enclosed::new(f, (uv[d], limit[d]), order);
+        self.enclose_product([&side(&self.u, 0), &side(&self.v, 1)], order, out);
+    }
+
+    fn enclose_pieces(&self, [us, vs]: [&[Part]; 2], order: usize, out: &mut [Box3]) {
+        let each = jet_len(order);
+        check_length(us.len() * vs.len() * each, out.len());
+        let side = |f: &FunctionsRef, &part: &Part| Enclosed::new(f, part, order);
+        let vs: Vec<_> = vs.iter().map(|p| side(&self.v, p)).collect();
+        let mut jets = out.chunks_exact_mut(each);
+        for u in us.iter().map(|p| side(&self.u, p)) {
+            for (v, jet) in vs.iter().zip(&mut jets) {
+                self.enclose_product([&u, v], order, jet);
+            }
         }
-        if let Some(p) = shift {
-            out[0] = out[0] + Box3::point(p);
-        }
-        out[0] = out[0] + Box3::point(self.origin);
     }
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {

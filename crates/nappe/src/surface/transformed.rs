@@ -3,7 +3,7 @@
 use super::elementary::{Elementary, normal_image};
 use super::{Dir, Surface, SurfaceRef, check_length, jet_index, jet_len};
 use crate::box3::Box3;
-use crate::breaks::{Break, Limit};
+use crate::breaks::{Break, Limit, Part};
 use crate::exact::NurbsSurface;
 use crate::interval::Interval;
 use glam::{DAffine3, DVec3, Vec4Swizzles};
@@ -116,11 +116,18 @@ impl Surface for Transformed {
     }
 
     fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
-        self.surface.enclose_piece(uv, limit, order, out);
-        for b in out.iter_mut() {
-            *b = b.linear_image(&self.map.matrix3);
+        let part = |d: usize| [(uv[d], limit[d])];
+        self.enclose_pieces([&part(0), &part(1)], order, out);
+    }
+
+    fn enclose_pieces(&self, parts: [&[Part]; 2], order: usize, out: &mut [Box3]) {
+        self.surface.enclose_pieces(parts, order, out);
+        for jet in out.chunks_exact_mut(jet_len(order)) {
+            for b in jet.iter_mut() {
+                *b = b.linear_image(&self.map.matrix3);
+            }
+            jet[0] = jet[0] + Box3::point(self.map.translation);
         }
-        out[0] = out[0] + Box3::point(self.map.translation);
     }
 
     fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
@@ -213,6 +220,13 @@ impl Surface for Swapped {
         let ([u, v], [a, b]) = (uv, limit);
         self.surface.enclose_piece([v, u], [b, a], order, out);
         swap_jet(order, out);
+    }
+
+    fn enclose(&self, uv: [Interval; 2], order: usize) -> Vec<Box3> {
+        let [u, v] = uv;
+        let mut boxes = self.surface.enclose([v, u], order);
+        swap_jet(order, &mut boxes);
+        boxes
     }
 
     fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
