@@ -30,10 +30,11 @@ const BOUNDS: &str = "
 * **T3, T3b, list, list1**: the arithmetic of one point after the other: finding the piece, the sides by powers about the
   piece's middle, and the products with the net. Nets beyond the caches are walked through in their own order, a quarter
   of a million points at a time; there the time goes into waiting for memory, for the net and for results out of order.
-* **Sides that are no polynomials** (turns by angle, trigonometric blending, the Diagonal-key's turning functions,
-  expressions) are taken by Taylor polynomials of degree 7 at most, where their remainder is proven to be below rounding;
-  preparing them takes the first list of a surface up to some tens of milliseconds. Near singular points no such
-  polynomial is near enough: these lists cost what their functions cost.
+* **Sides that are no polynomials** (turns by angle, trigonometric blending, fillets, expressions) are taken by Taylor
+  polynomials of degree 7 at most, where their remainder is proven to be below rounding; preparing them takes the first
+  list of a surface up to some tens of milliseconds. Where functions are singular, or their own rounding is coarse beside
+  their size (the Diagonal-key's turning functions), they are evaluated as single points are: such lists cost what their
+  functions cost.
 * **mesh**: the enclosures that prove the tolerance.
 
 Grids are the same as single points to the last bit, with any instruction set and any number of threads. Lists are the

@@ -20,8 +20,9 @@ const REMAINDER: f64 = 0.5 * f64::EPSILON;
 const LOSS: f64 = 8.0;
 /// Where in a piece values are taken to find how large they are: not evenly, or waves would be sampled at their zeros.
 const SAMPLES: [f64; 5] = [0.0, 0.29, 0.5, 0.83, 1.0];
-/// What rounding may add relative to the greatest value, measured at the ends of each part: twice what the functions
-/// with the longest formulas differ by from one parameter to the next. More says that the highest derivatives are wrong.
+/// What rounding may add relative to the greatest value, measured at the ends of each part: twice what trigonometric
+/// blending, with its long formulas, differs by from one parameter to the next. More may say that the highest derivatives
+/// are wrong.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// The most coefficients: half a megabyte, which stays in the second-level cache.
 const MOST: usize = 1 << 16;
