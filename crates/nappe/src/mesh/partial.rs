@@ -36,8 +36,8 @@ pub struct PartialJoint {
 /// two shorter ones meet, or closed sides that start at different points. At least one of the two meets nothing as a
 /// whole ([`joints`](super::joints)). [`mesh`](super::mesh) does not join them: it has two borders there.
 ///
-/// Sampled: a stretch shorter than a sixteenth of both sides is not seen, nor one that ends in the middle of both. Cost: a hundred points of each side, and 10³
-/// for each pair whose boxes meet.
+/// Sampled: a stretch shorter than a sixteenth of both sides is not seen, nor one that ends in the middle of both. Cost: a
+/// hundred points of each side, and 10³ for each pair whose boxes meet.
 pub fn partial_joints(surfaces: &[SurfaceRef], weld: f64) -> Vec<PartialJoint> {
     let shared = find(surfaces, weld);
     let mut open: Vec<bool> = shared.joins.iter().map(Option::is_none).collect();
