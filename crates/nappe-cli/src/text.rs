@@ -1,5 +1,6 @@
 //! Tables and numbers for people.
 
+use nappe::surface::Dir;
 use std::fmt::{self, Write};
 
 /// A table in plain text: a heading, a rule, rows.
@@ -94,6 +95,11 @@ pub(crate) fn number(x: f64, digits: usize) -> String {
     } else {
         format!("{}e{exponent}", trimmed(mantissa))
     }
+}
+
+/// What is said of a surface that jumps at a parameter.
+pub(crate) fn torn((dir, at): (Dir, f64)) -> String {
+    format!("torn at {dir} = {}: it jumps there", number(at, 6))
 }
 
 /// A number with all its digits, as short as it can be told from its neighbours.

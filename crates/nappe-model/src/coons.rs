@@ -280,14 +280,9 @@ impl Builder<'_> {
         );
         let mut shown: Vec<&str> = Vec::new();
         // What to reverse comes first: the message names that line.
-        for side in &report.reverse {
-            shown.push(side.name());
-            d = d.at(
-                o.fields.place(side.name(), &[]),
-                format!("`{}`", side.name()),
-            );
-        }
-        for source in report.disagreements.iter().flat_map(|x| x.sources) {
+        let reverse = report.reverse.iter().map(|&side| Source::Side(side));
+        let sources = report.disagreements.iter().flat_map(|x| x.sources);
+        for source in reverse.chain(sources) {
             let (key, text) = source_key(source);
             if !shown.contains(&text) {
                 shown.push(text);

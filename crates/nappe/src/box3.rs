@@ -53,6 +53,12 @@ impl Box3 {
         self.x.contains(p.x) && self.y.contains(p.y) && self.z.contains(p.z)
     }
 
+    /// True if both have a point in common, be it on their borders.
+    pub fn touches(self, o: Self) -> bool {
+        let pairs = self.to_array().into_iter().zip(o.to_array());
+        pairs.into_iter().all(|(a, b)| a.intersection(b).is_some())
+    }
+
     /// True if all six ends are finite.
     pub fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite() && self.z.is_finite()

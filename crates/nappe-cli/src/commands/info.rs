@@ -6,7 +6,8 @@ use crate::model::ModelArgs;
 use crate::scene;
 use crate::screen::Screen;
 use crate::slits::JOINED;
-use crate::text::{Table, bound, number};
+use crate::text::{Table, bound, number, torn};
+use nappe::Box3;
 use nappe::exact::NurbsSurface;
 use nappe::measure::{
     CurvatureExtremes, Extent, Extreme, IntegralOptions, Measured, SearchOptions, Shell,
@@ -14,7 +15,6 @@ use nappe::measure::{
 };
 use nappe::mesh::{Certainty, Joints, joints};
 use nappe::surface::{Dir, Side, SurfaceRef};
-use nappe::{Box3, Interval};
 use nappe_exchange::Format;
 use nappe_model::{Model, NamedSurface};
 use serde_json::{Value, json};
@@ -409,10 +409,6 @@ fn open(e: &VolumeError, named: &[&NamedSurface], unit: &str) -> String {
     }
 }
 
-fn torn((dir, at): (Dir, f64)) -> String {
-    format!("torn at {dir} = {}: it jumps there", number(at, 6))
-}
-
 /// The names of a shell's surfaces; of many, the first and their number.
 fn members(shell: &Shell, named: &[&NamedSurface]) -> String {
     const MOST: usize = 4;
@@ -454,14 +450,8 @@ fn are_apart(shells: &[Shell], facts: &[SurfaceFacts]) -> bool {
             all?.into_iter().reduce(Box3::hull)
         })
         .collect();
-    let meet = |a: &Box3, b: &Box3| {
-        let pairs = a.to_array().into_iter().zip(b.to_array());
-        pairs
-            .into_iter()
-            .all(|(a, b): (Interval, Interval)| a.intersection(b).is_some())
-    };
     match boxes {
-        Some(boxes) => (1..boxes.len()).all(|i| !boxes[..i].iter().any(|b| meet(b, &boxes[i]))),
+        Some(boxes) => (1..boxes.len()).all(|i| !boxes[..i].iter().any(|b| b.touches(boxes[i]))),
         None => shells.len() < 2,
     }
 }

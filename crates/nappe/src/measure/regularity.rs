@@ -218,8 +218,8 @@ impl Patch {
         t.inflate(t.width()).contains(pinch.at)
     }
 
-    /// True if the normals around the rectangle that are longer than rounding errors point against each other. A fold may lie on its border: the places
-    /// looked at are one width outside.
+    /// True if the normals around the rectangle that are longer than rounding errors point against each other. A fold may
+    /// lie on its border: the places looked at are one width outside.
     fn folds(&self, surface: &dyn Surface, rounding: f64) -> bool {
         let domain = surface.domain();
         let place = |k: usize, s: f64| {

@@ -54,7 +54,7 @@ pub fn partial_joints(surfaces: &[SurfaceRef], weld: f64) -> Vec<PartialJoint> {
         let near = lines[i + 1..]
             .iter()
             .take_while(|b| b.hull.x.lo <= a.hull.x.hi);
-        for b in near.filter(|b| (open[a.number] || open[b.number]) && overlap(a.hull, b.hull)) {
+        for b in near.filter(|b| (open[a.number] || open[b.number]) && a.hull.touches(b.hull)) {
             let (first, second) = if a.number < b.number { (a, b) } else { (b, a) };
             let within = a.within.min(b.within);
             let both = [second.on(first, within), first.on(second, within)];
@@ -66,11 +66,6 @@ pub fn partial_joints(surfaces: &[SurfaceRef], weld: f64) -> Vec<PartialJoint> {
     }
     found.sort_by_key(|j| [j.along, j.part].map(|(surface, side)| (surface, side as usize)));
     found
-}
-
-fn overlap(a: Box3, b: Box3) -> bool {
-    let pairs = a.to_array().into_iter().zip(b.to_array());
-    pairs.into_iter().all(|(a, b)| a.lo <= b.hi && b.lo <= a.hi)
 }
 
 /// A side with samples.

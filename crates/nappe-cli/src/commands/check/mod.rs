@@ -6,7 +6,7 @@ use crate::model::ModelArgs;
 use crate::scene;
 use crate::screen::Screen;
 use crate::slits::{self, JOINED};
-use crate::text::{Table, bound, number};
+use crate::text::{Table, bound, number, torn};
 use nappe::measure::{
     Continuity, Crease, Jump, JumpOptions, Regularity, Smoothness, continuity, creases, regularity,
     tear,
@@ -33,8 +33,8 @@ mod passing;
 ///
 /// It fails (exit code 1) if a declared check is missed, or can be neither proven nor estimated to hold, if sides meet
 /// within the tolerance of the mesh but not closely enough to be joined, or if a surface is torn, folds over or passes
-/// through itself. A line inside that is one point, where a surface only touches itself, is told. Two surfaces that pass through each other are told (•) but are no failure: a handle may well be stuck
-/// through a wall. The last line tells how many claims are only estimated and how many pairs are not decided.
+/// through itself. A line inside that is one point, where a surface only touches itself, is told. Two surfaces that pass
+/// through each other are told (•) but are no failure: a handle may well be stuck through a wall. The last line tells how many claims are only estimated and how many pairs are not decided.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -346,14 +346,14 @@ impl<'a> Findings<'a> {
     fn surface_table(&self) -> Table {
         let mut table = Table::headed(["", "surface", "tangent plane", "creases", "poles"]);
         for (s, r, creases) in &self.surfaces {
-            let torn = tear(s.surface.as_ref());
-            let mark = if r.folds.is_empty() && torn.is_none() {
+            let tear = tear(s.surface.as_ref());
+            let mark = if r.folds.is_empty() && tear.is_none() {
                 "✓"
             } else {
                 "✗"
             };
-            let state = if let Some((dir, at)) = torn {
-                format!("torn at {dir} = {}: it jumps there", number(at, 6))
+            let state = if let Some(tear) = tear {
+                torn(tear)
             } else if !r.pinches.is_empty() && r.folds.is_empty() {
                 pinched(r)
             } else if r.regular {

@@ -35,14 +35,7 @@ type Vectors = SmallVec<[Box3; 4]>;
 
 /// True if the nodes are proven to have nothing in common but what is within `contact` of a shared side or corner.
 pub(super) fn apart(trees: [&Tree; 2], x: &Node, y: &Node, links: &Links, contact: f64) -> bool {
-    if [
-        (x.bounds.x, y.bounds.x),
-        (x.bounds.y, y.bounds.y),
-        (x.bounds.z, y.bounds.z),
-    ]
-    .into_iter()
-    .any(|(a, b)| a.intersection(b).is_none())
-    {
+    if !x.bounds.touches(y.bounds) {
         return true;
     }
     let between = (x.bounds.mid() - y.bounds.mid()).try_normalize();

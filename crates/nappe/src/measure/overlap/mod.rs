@@ -11,7 +11,6 @@ mod tree;
 use super::pinch::pinches;
 use super::size;
 use super::tear::tear;
-use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::mesh::closing::SHARE;
 use crate::mesh::shared::Edge;
@@ -167,7 +166,7 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
     let [i, j] = pair;
     let is_self = i == j;
     let roots = pair.map(|k| trees[k].nodes[trees[k].root]);
-    if !is_self && !near(roots[0].bounds, roots[1].bounds) {
+    if !is_self && !roots[0].bounds.touches(roots[1].bounds) {
         return None;
     }
     let rounding = ROUNDING * trees[i].far().max(trees[j].far());
@@ -280,11 +279,6 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
         uv,
         point: p,
     })
-}
-
-fn near(a: Box3, b: Box3) -> bool {
-    let [a, b] = [a, b].map(Box3::to_array);
-    (0..3).all(|k| a[k].intersection(b[k]).is_some())
 }
 
 /// The size of the part of a surface between two places.
