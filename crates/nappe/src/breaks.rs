@@ -45,7 +45,8 @@ pub trait Breaks {
     /// The piece that decides the value at `t`: the one after a break for [`Limit::Above`], before it for
     /// [`Limit::Below`]. Parameters outside the domain belong to the first or last piece.
     fn find(&self, t: f64, limit: Limit) -> usize;
-    /// The parts of `t` that lie in one piece each, with the limit that selects that piece.
+    /// The parts of `t` that lie in one piece each, with the limit that selects that piece. A single parameter on a
+    /// break has two, one for each side; a range that ends on a break has none beyond it.
     fn parts(&self, t: Interval) -> Vec<Part>;
     /// The breaks where fewer than `smooth + 1` derivatives agree, without the ends.
     fn below(&self, smooth: i32) -> Vec<f64>;
@@ -83,25 +84,22 @@ impl Breaks for [Break] {
     }
 
     fn parts(&self, t: Interval) -> Vec<Part> {
-        let first = self.find(t.lo, Limit::Below);
-        let last = self.find(t.hi, Limit::Above);
-        if first == last {
-            return vec![(t, Limit::Above)];
+        if t.is_point() {
+            let limits = [Limit::Below, Limit::Above];
+            let once = self.find(t.lo, limits[0]) == self.find(t.lo, limits[1]);
+            return limits[usize::from(once)..]
+                .iter()
+                .map(|&limit| (t, limit))
+                .collect();
         }
+        let first = self.find(t.lo, Limit::Above);
+        let last = self.find(t.hi, Limit::Below);
         (first..=last)
             .map(|i| {
                 let piece = self.piece(i);
                 let lo = if i == first { t.lo } else { piece.lo };
                 let hi = if i == last { t.hi } else { piece.hi };
-                // A part that is one point (t starts or ends on a break) selects its piece by the limit.
-                (
-                    Interval { lo, hi },
-                    if i == first {
-                        Limit::Below
-                    } else {
-                        Limit::Above
-                    },
-                )
+                (Interval { lo, hi }, Limit::Above)
             })
             .collect()
     }
@@ -161,6 +159,10 @@ mod tests {
                 (Interval::point(1.0), Limit::Below),
                 (Interval::point(1.0), Limit::Above)
             ]
+        );
+        assert_eq!(
+            b.parts(Interval::new(1.0, 3.0)),
+            vec![(Interval::new(1.0, 3.0), Limit::Above)]
         );
         for (part, limit) in b.parts(Interval::new(0.0, 4.0)) {
             assert_eq!(b.piece(b.find(part.mid(), limit)), part);

@@ -102,7 +102,8 @@ pub trait Curve: Debug + Send + Sync {
         [self.point(d.lo), self.point(d.hi)]
     }
 
-    /// Boxes that enclose the point and its derivatives up to `order` for every parameter in `t`, breaks included.
+    /// Boxes that enclose the point and its derivatives up to `order` for every parameter in `t`, from both sides at
+    /// breaks inside; at the ends of `t` from the inside, or from both sides if `t` is one parameter.
     /// Converges at second order: a centred Taylor form is intersected with the direct enclosure.
     fn enclose(&self, t: Interval, order: usize) -> Vec<Box3> {
         let mut hull: Option<Vec<Box3>> = None;

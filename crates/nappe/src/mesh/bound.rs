@@ -54,6 +54,8 @@ pub(super) struct Bend {
     pub(super) aspect: f64,
     /// The rounding of parameters, as a share of the sizes.
     pub(super) grain: [f64; 2],
+    /// What is lost whatever the grid.
+    pub(super) shift: f64,
     /// The normal around which all triangles must be counter-clockwise, if the bound needs that.
     pub(super) normal: Option<DVec3>,
 }
@@ -74,6 +76,7 @@ impl Bend {
             slope: 0.0,
             aspect: if aspect.is_nan() { 1.0 } else { aspect },
             grain: uv.map(|i| 2.0 * f64::EPSILON * i.mag() / i.width()),
+            shift: 0.0,
             normal: None,
         }
     }
@@ -93,7 +96,7 @@ impl Bend {
         let below = reach(-uu.lo * aa, mixed, -vv.lo * bb);
         let across = 0.125 * worst(above, below);
         let within = (self.within[0] * a * a).max(self.within[1] * b * b);
-        (across + self.slope * within).hypot(within) * ROUND_UP
+        ((across + self.slope * within).hypot(within) + self.shift) * ROUND_UP
     }
 
     /// A grid with few cells that keeps `tol`, at least `least` along each direction; `None` if there is none.
@@ -206,6 +209,7 @@ mod tests {
             slope: 0.1,
             aspect: 1.0,
             grain: [0.0; 2],
+            shift: 0.0,
             normal: None,
         }
     }

@@ -177,7 +177,7 @@ fn judge(surface: &dyn Surface, leaf: &Leaf, uv: [Interval; 2], demand: &Demand)
         // The sharper bound is worth its enclosures if it could save cells.
         if proven && !demand.plain && cells(&found) > FEW {
             let worth = |bend: &Bend| cells(&grid(*bend)) < cells(&found);
-            let sharper = slide(surface, uv, &jet, &plain, worth).and_then(grid);
+            let sharper = slide(surface, uv, &jet, &plain, demand.tol, worth).and_then(grid);
             if cells(&sharper) < cells(&found) {
                 found = sharper;
             }
@@ -308,6 +308,7 @@ fn split(
         return Some((a, b));
     }
     let mut best: Option<(f64, f64, u32, (Judged, Judged))> = None;
+    let promised = promised(surface, leaf, verdict, blocks, demand);
     for d in 0..2 {
         if !can[d] {
             continue;
@@ -317,7 +318,10 @@ fn split(
             l.parts[d] = part;
             (l, judge(surface, &l, uv(&l), demand))
         });
-        let cost = half[0].1.cost() + half[1].1.cost();
+        let mut cost = half[0].1.cost() + half[1].1.cost();
+        if let Some((_, few)) = promised.filter(|(along, _)| *along == d) {
+            cost = cost.min(few);
+        }
         let size = half[0].1.size.max(half[1].1.size);
         let depth = leaf.parts[d].depth;
         let better = match &best {
@@ -331,36 +335,38 @@ fn split(
         }
     }
     let (cost, _, _, halves) = best?;
-    (verdict.cells.is_none()
-        || cost <= GAIN * verdict.cost()
-        || promises(surface, leaf, verdict, blocks, demand))
-    .then_some(halves)
+    (verdict.cells.is_none() || cost <= GAIN * verdict.cost()).then_some(halves)
 }
 
-/// True if smaller parts, one on the way down, have so few cells for their size that splitting is likely worth it
-/// although one split is not: where the second derivatives of a large piece vary in all its parts alike.
-fn promises(
+/// The direction of a first split and the number of cells to be expected after some more, where smaller parts, one on
+/// the way down, have few cells for their size: one split alone may not be worth it where the second derivatives of a
+/// large piece vary in all its parts alike, or where only small pieces have a plane to slide in.
+fn promised(
     surface: &dyn Surface,
     leaf: &Leaf,
     verdict: &Verdict,
     blocks: &[Vec<Interval>; 2],
     demand: &Demand,
-) -> bool {
+) -> Option<(usize, f64)> {
     let (mut leaf, mut at) = (*leaf, *verdict);
     let mut parts = 1.0;
+    let mut first = None;
+    let mut best: Option<(usize, f64)> = None;
     while let Some([n, m]) = at.cells.filter(|_| at.cost() > PROBED) {
         let d = usize::from(m > n);
         if !leaf.parts[d].can_split(blocks[d][leaf.block[d]]) {
-            return false;
+            break;
         }
         // Lower and upper halves in turn: parts from all over the piece.
         leaf.parts[d] = leaf.parts[d].halves()[usize::from(leaf.parts[d].depth.is_multiple_of(2))];
         let uv = [0, 1].map(|d| leaf.parts[d].range(blocks[d][leaf.block[d]]));
         at = judge(surface, &leaf, uv, demand);
         parts *= 2.0;
-        if parts * at.cost() <= GAIN * verdict.cost() {
-            return true;
+        let first = *first.get_or_insert(d);
+        let cost = parts * at.cost();
+        if cost <= GAIN * best.map_or(verdict.cost(), |(_, cost)| cost) {
+            best = Some((first, cost));
         }
     }
-    false
+    best
 }

@@ -40,6 +40,22 @@
 //! by at most `⅛ sup(|c' × c''| / |c'|) Δ²` across it, and not beyond its ends if `c'(s)·c'(t) > 0` for all `s, t`: the
 //! chord is `Δ` times a mean of `c'`, and the distance from it a function of one variable that vanishes at both ends. A
 //! straight side costs nothing, however uneven its parameter.
+//!
+//! # Beside a pole
+//!
+//! Let the side `v = v0` of `B` be one point, so that `r_u = 0` there and condition 1 fails. Let `h = |v - v0|` and let
+//! `A` be a convex set that holds `±r_uv` over `B`, with the sign of `v - v0`. *The theorem holds as it stands.*
+//!
+//! *Proof.* `r_u(u, v) = h a` with `a ∈ A`, the mean of `±r_uv` over the way from the side. So `w = r(p') - r(p) = H a du
+//! + b dv` with `H ≥ 0` the mean of `h` over the segment and `a ∈ A` a weighted mean, orthogonal to `N = a × b` as
+//! before. In (a), `w = 0` gives `dv = 0` and `H du = 0`: `p = p'`, or both lie on the side. So `f` is injective but for
+//! this side, which is one point of the closed curve `f(∂B)`; what follows about degrees stays. Triangles with two
+//! corners on the side have no area: they add nothing to a degree, and are left out of the mesh, as the edge which they
+//! would cover belongs to their neighbour. The other triangles have edges `h a du` and `b dv`. ∎
+//!
+//! A side that is one point only up to a size `η` (rounding) is treated as that of `r̃(u, v) = r(u, v) - r(u, v0) + P`
+//! with a point `P` of it: `|r - r̃| ≤ η`, likewise for the two meshes, so their distance is at most `2η` more. `r̃`
+//! differs from `r` in the derivatives by u alone, by those along the side.
 
 use super::bound::{Bend, ROUND_UP};
 use crate::box3::Box3;
@@ -49,6 +65,8 @@ use glam::{DMat3, DVec3};
 
 /// A plane across which the surface is not steeper than this is used; a steeper one never gives a better bound.
 const STEEP: f64 = 4.0;
+/// A side of at most this share of the tolerance is one point.
+const NEGLIGIBLE: f64 = 1e-3;
 
 /// The bound for one rectangle; `None` if condition 1 cannot be shown, or if it is not worth the enclosures of the sides
 /// even if these turn out to be straight.
@@ -57,17 +75,23 @@ pub(super) fn slide(
     uv: [Interval; 2],
     jet: &[Box3],
     plain: &Bend,
+    tol: f64,
     worth: impl Fn(&Bend) -> bool,
 ) -> Option<Bend> {
-    let (a, b) = (jet[1].mid(), jet[2].mid());
+    let tip = tip(surface, uv, jet, NEGLIGIBLE * tol);
+    let lifted = tip.as_ref().map(|tip| tip.lift(jet.to_vec()));
+    let jet = lifted.as_deref().unwrap_or(jet);
+    let [along_u, along_v] = match &tip {
+        Some(tip) => tip.directions(jet),
+        None => [jet[1], jet[2]],
+    };
+    let (a, b) = (along_u.mid(), along_v.mid());
     let normal = a.cross(b).try_normalize()?;
     let first = a.try_normalize()?;
     // Rows: along u, across it in the plane, along the normal.
     let turn = DMat3::from_cols(first, normal.cross(first).normalize(), normal).transpose();
-    let turned =
-        |jet: &[Box3]| -> Vec<Box3> { jet.iter().map(|b| b.linear_image(&turn)).collect() };
-    let d = turned(jet);
-    let across = d[1].cross(d[2]);
+    let turned = |b: Box3| b.linear_image(&turn);
+    let across = turned(along_u).cross(turned(along_v));
     let least = across.z.lo;
     if !(least > 0.0 && across.is_finite()) {
         return None;
@@ -77,17 +101,24 @@ pub(super) fn slide(
         return None;
     }
     let [du, dv] = uv.map(Interval::width);
-    let part = |k: usize, size: f64| across.dot(d[k]) / across.z * Interval::point(size * ROUND_UP);
+    let part = |k: usize, size: f64| {
+        across.dot(turned(jet[k])) / across.z * Interval::point(size * ROUND_UP)
+    };
     let side = |dir: usize, at: f64| {
         let mut line = uv;
         line[1 - dir] = Interval::point(at);
-        let d = turned(&surface.enclose(line, 2));
+        let mut d = surface.enclose(line, 2);
+        if let Some(tip) = &tip {
+            d = tip.lift(d);
+        }
         let size = uv[dir].width();
-        0.125 * leave(plane(d[1 + dir]), plane(d[[3, 5][dir]])) * size * size * ROUND_UP
+        let bent = leave(plane(turned(d[1 + dir])), plane(turned(d[SECOND[dir]])));
+        0.125 * bent * size * size * ROUND_UP
     };
     let straight = Bend {
         across: [part(3, du * du), part(4, du * dv), part(5, dv * dv)],
         slope: slope * ROUND_UP,
+        shift: tip.as_ref().map_or(0.0, |tip| 2.0 * tip.size),
         normal: Some(normal),
         ..*plain
     };
@@ -98,6 +129,74 @@ pub(super) fn slide(
         }),
         ..straight
     })
+}
+
+/// Where the first and the second derivatives along u and along v stand in a jet.
+const FIRST: [usize; 2] = [1, 2];
+const SECOND: [usize; 2] = [3, 5];
+
+/// A side of a rectangle that is one point but for rounding.
+struct Tip {
+    /// The direction along the side: 0 for u.
+    along: usize,
+    upper: bool,
+    /// The size of the side.
+    size: f64,
+    /// The jet of order 2 over the side.
+    jet: Vec<Box3>,
+}
+
+/// The side of a rectangle that is one point, up to a `size`; `None` if there is none, or several.
+fn tip(surface: &dyn Surface, uv: [Interval; 2], jet: &[Box3], size: f64) -> Option<Tip> {
+    let mut found = None;
+    for along in 0..2 {
+        // Only a derivative that vanishes somewhere does so along a side.
+        let first = jet[FIRST[along]];
+        if !first.to_array().iter().all(|i| i.contains(0.0)) {
+            continue;
+        }
+        for upper in [false, true] {
+            let mut line = uv;
+            let across = uv[1 - along];
+            line[1 - along] = Interval::point(if upper { across.hi } else { across.lo });
+            if surface.enclose(line, 0)[0].diagonal() <= size {
+                if found.is_some() {
+                    return None;
+                }
+                let jet = surface.enclose(line, 2);
+                found = Some(Tip {
+                    along,
+                    upper,
+                    size: jet[0].diagonal(),
+                    jet,
+                });
+            }
+        }
+    }
+    found.filter(|tip| tip.jet.iter().all(|b| b.is_finite()))
+}
+
+impl Tip {
+    /// The jet of the surface whose side is one point exactly, from that of the surface, over any part of the rectangle.
+    fn lift(&self, mut jet: Vec<Box3>) -> Vec<Box3> {
+        for k in [FIRST[self.along], SECOND[self.along]] {
+            jet[k] = jet[k] - self.jet[k];
+        }
+        jet
+    }
+
+    /// What takes the place of the first derivatives.
+    fn directions(&self, jet: &[Box3]) -> [Box3; 2] {
+        let mixed = if self.upper {
+            Box3::ZERO - jet[4]
+        } else {
+            jet[4]
+        };
+        match self.along {
+            0 => [mixed, jet[2]],
+            _ => [jet[1], mixed],
+        }
+    }
 }
 
 /// The part within the plane.

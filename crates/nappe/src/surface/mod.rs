@@ -255,8 +255,8 @@ pub trait Surface: Debug + Send + Sync {
         }
     }
 
-    /// Boxes that enclose the point and its derivatives up to `order` over a rectangle, breaks included, placed by
-    /// [`jet_index`]. Converges at second order: a centred Taylor form is intersected with the direct enclosure.
+    /// Boxes that enclose the point and its derivatives up to `order` over a rectangle, placed by [`jet_index`]: from
+    /// both sides at breaks inside; at its ends from the inside, or from both sides in a direction of width zero. Converges at second order: a centred Taylor form is intersected with the direct enclosure.
     fn enclose(&self, uv: [Interval; 2], order: usize) -> Vec<Box3> {
         enclose_centred(self, uv, order)
     }
