@@ -121,7 +121,7 @@ pub(super) struct Demand {
     /// The surface's index, for messages.
     pub(super) surface: usize,
     pub(super) tol: f64,
-    /// The fewest cells across the whole domain along u and v.
+    /// The fewest cells across each block along u and v.
     pub(super) least: [f64; 2],
     /// The largest number of triangles.
     pub(super) max: usize,

@@ -187,13 +187,17 @@ impl Task<'_> {
         }
     }
 
-    /// The fewest cells along u and v in each block of a surface: between two lines that are one point, two.
+    /// The fewest cells along u and v in each block of a surface: its share of those across the surface, and two between
+    /// lines that are one point.
     fn least_cells(&self, i: usize) -> [f64; 2] {
         let surface = self.surfaces[i].as_ref();
         let mut least = self.shared.least_cells(i);
         for (least, across) in least.iter_mut().zip([Dir::U, Dir::V]) {
-            let lines = surface.breaks(across).below(1).into_iter();
-            let mut lines = lines.map(|at| Edge::inside(surface, across, at));
+            let lines = surface.breaks(across).below(1);
+            *least = (*least / (lines.len() + 1) as f64).ceil();
+            let mut lines = lines
+                .into_iter()
+                .map(|at| Edge::inside(surface, across, at));
             if lines.any(|line| line.is_collapsed(self.weld)) {
                 *least = least.max(2.0);
             }
