@@ -699,6 +699,68 @@ fn surfaces_of_revolution_are_closed_where_their_profiles_are() {
     }
 }
 
+/// The fewest chords of a unit circle within `tol`.
+fn chords(tol: f64) -> f64 {
+    std::f64::consts::PI / (1.0 - tol).acos()
+}
+
+fn revolved_polyline(points: &[DVec3], construction: Construction) -> [SurfaceRef; 1] {
+    let profile = Arc::new(polyline(points, Spacing::Uniform).unwrap());
+    [revolved(profile, std::f64::consts::TAU, construction)]
+}
+
+const ROUND: [Construction; 2] = [Construction::Angle, Construction::Rational];
+
+#[test]
+fn a_flat_disc_is_a_fan() {
+    let (centre, rim) = (v(0.0, 0.0, 0.5), v(1.0, 0.0, 0.5));
+    for (ends, scale) in [([centre, rim], 1.0), ([rim, centre], 1e4)] {
+        for (construction, tol) in ROUND
+            .into_iter()
+            .flat_map(|c| [1e-2, 1e-3, 1e-5].map(|t| (c, t)))
+        {
+            let s = revolved_polyline(&ends.map(|p| p * scale), construction);
+            let m = made(&s, tol * scale);
+            let border = check(&s, &m, tol * scale);
+            let triangles = m.patches[0].triangles.len();
+            assert_eq!(
+                border, triangles,
+                "each triangle has one edge on the rim: {construction:?}"
+            );
+            let fewest = chords(tol);
+            assert!(
+                triangles as f64 <= 1.5 * fewest + 8.0,
+                "{triangles}, not {fewest}: {construction:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn creases_do_not_spoil_the_bound_beside_them() {
+    let can = [
+        v(0.0, 0.0, 0.0),
+        v(1.0, 0.0, 0.0),
+        v(1.0, 0.0, 2.0),
+        v(0.0, 0.0, 2.0),
+    ];
+    for (construction, tol) in ROUND
+        .into_iter()
+        .flat_map(|c| [1e-2, 1e-3, 1e-4].map(|t| (c, t)))
+    {
+        let s = revolved_polyline(&can, construction);
+        let m = made(&s, tol);
+        assert_eq!(check(&s, &m, tol), 0);
+        assert_eq!(euler(&m), 2);
+        // Two fans and a belt; the rims may have the vertices of both sides.
+        let (triangles, fewest) = (m.patches[0].triangles.len(), 4.0 * chords(tol));
+        assert!(
+            triangles as f64 <= 3.0 * fewest + 32.0,
+            "{triangles}, not {fewest}: {construction:?}"
+        );
+    }
+}
+
 #[test]
 fn a_waist_on_the_axis_is_one_point() {
     let p = [v(1.0, 0.0, -1.0), v(0.0, 0.0, 0.0), v(1.0, 0.0, 1.0)];

@@ -71,16 +71,25 @@ impl Part {
             orders,
         }
     }
+
+    /// The share of each point of the span in the mean of the Bézier points of the part.
+    fn mean(&self) -> SmallVec<[f64; 4]> {
+        let rows = &self.orders[0];
+        let share = |k: usize| rows.iter().map(|row| row[k].mid()).sum::<f64>() / rows.len() as f64;
+        (0..rows[0].len()).map(share).collect()
+    }
 }
 
-/// A point in the middle of the points that matter, to measure them from.
+/// A point in the middle of the part, to measure from: near it a quotient loses least.
 pub(super) fn middle(net: &[DVec4], columns: usize, [u, v]: [&Part; 2]) -> DVec4 {
-    let (nu, nv) = (u.orders[0].len(), v.orders[0].len());
-    let sum: DVec4 = (0..nu * nv)
-        .map(|k| net[(u.first + k / nv) * columns + v.first + k % nv])
-        .sum();
-    let m = sum / (nu * nv) as f64;
-    if m.is_finite() { m } else { DVec4::ZERO }
+    let (mean_u, mean_v) = (u.mean(), v.mean());
+    let mut sum = DVec4::ZERO;
+    for (k, f) in mean_u.iter().enumerate() {
+        for (l, g) in mean_v.iter().enumerate() {
+            sum += net[(u.first + k) * columns + v.first + l] * (f * g);
+        }
+    }
+    if sum.is_finite() { sum } else { DVec4::ZERO }
 }
 
 /// Encloses the homogeneous derivatives up to `order`, of a net whose points `point` takes from the given ones.

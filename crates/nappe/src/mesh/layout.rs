@@ -308,7 +308,6 @@ fn split(
         return Some((a, b));
     }
     let mut best: Option<(f64, f64, u32, (Judged, Judged))> = None;
-    let promised = promised(surface, leaf, verdict, blocks, demand);
     for d in 0..2 {
         if !can[d] {
             continue;
@@ -319,8 +318,8 @@ fn split(
             (l, judge(surface, &l, uv(&l), demand))
         });
         let mut cost = half[0].1.cost() + half[1].1.cost();
-        if let Some((_, few)) = promised.filter(|(along, _)| *along == d) {
-            cost = cost.min(few);
+        if cost > FEW {
+            cost = cost.min(promised(surface, leaf, d, blocks, demand));
         }
         let size = half[0].1.size.max(half[1].1.size);
         let depth = leaf.parts[d].depth;
@@ -338,35 +337,30 @@ fn split(
     (verdict.cells.is_none() || cost <= GAIN * verdict.cost()).then_some(halves)
 }
 
-/// The direction of a first split and the number of cells to be expected after some more, where smaller parts, one on
-/// the way down, have few cells for their size: one split alone may not be worth it where the second derivatives of a
-/// large piece vary in all its parts alike, or where only small pieces have a plane to slide in.
+/// The number of cells to be expected after a split along `d` and some more, if the smaller parts, one on the way down,
+/// are like all others. One split alone may not be worth it where the second derivatives of a large piece vary in all
+/// its parts alike, or where only small pieces have a plane to slide in.
 fn promised(
     surface: &dyn Surface,
     leaf: &Leaf,
-    verdict: &Verdict,
+    mut d: usize,
     blocks: &[Vec<Interval>; 2],
     demand: &Demand,
-) -> Option<(usize, f64)> {
-    let (mut leaf, mut at) = (*leaf, *verdict);
+) -> f64 {
+    let mut leaf = *leaf;
     let mut parts = 1.0;
-    let mut first = None;
-    let mut best: Option<(usize, f64)> = None;
-    while let Some([n, m]) = at.cells.filter(|_| at.cost() > PROBED) {
-        let d = usize::from(m > n);
-        if !leaf.parts[d].can_split(blocks[d][leaf.block[d]]) {
-            break;
-        }
+    let mut best = f64::INFINITY;
+    while leaf.parts[d].can_split(blocks[d][leaf.block[d]]) {
         // Lower and upper halves in turn: parts from all over the piece.
         leaf.parts[d] = leaf.parts[d].halves()[usize::from(leaf.parts[d].depth.is_multiple_of(2))];
         let uv = [0, 1].map(|d| leaf.parts[d].range(blocks[d][leaf.block[d]]));
-        at = judge(surface, &leaf, uv, demand);
+        let at = judge(surface, &leaf, uv, demand);
         parts *= 2.0;
-        let first = *first.get_or_insert(d);
-        let cost = parts * at.cost();
-        if cost <= GAIN * best.map_or(verdict.cost(), |(_, cost)| cost) {
-            best = Some((first, cost));
-        }
+        best = best.min(parts * at.cost());
+        let Some([n, m]) = at.cells.filter(|_| at.cost() > PROBED) else {
+            break;
+        };
+        d = usize::from(m > n);
     }
     best
 }
