@@ -337,7 +337,7 @@ impl Functions for BSplineBasis {
         ))
     }
 
-    fn table(&self) -> Option<Table> {
+    fn table(&self, _effects: &[f64]) -> Option<Table> {
         let first = self.spans.iter().map(|s| s - self.degree).collect();
         let bernstein = |piece, f| self.bernstein_of(piece, f).to_vec();
         Table::from_active(&self.breaks, self.degree, first, self.count(), bernstein)

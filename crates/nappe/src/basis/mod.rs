@@ -44,8 +44,9 @@ pub trait Functions: Debug + Send + Sync {
         None
     }
 
-    /// The functions prepared for many parameters, where that pays.
-    fn table(&self) -> Option<Table> {
+    /// The functions prepared for many parameters, where that pays. An error of 1 in each function moves the surface
+    /// that is made of them by `effects` of the surface's size.
+    fn table(&self, _effects: &[f64]) -> Option<Table> {
         Table::from_piecewise(&self.to_piecewise()?)
     }
 }
@@ -197,10 +198,10 @@ impl Functions for Stack {
         let parts: Option<Vec<_>> = self.parts.iter().map(|p| p.to_piecewise()).collect();
         Some(PiecewiseRational::stack(&parts?))
     }
-    fn table(&self) -> Option<Table> {
+    fn table(&self, effects: &[f64]) -> Option<Table> {
         // Together the parts are found and evaluated once.
         let whole: FunctionsRef = Arc::new(self.clone());
-        Table::taylor(&whole).or_else(|| Some(Table::stack(&self.parts)))
+        Table::taylor(&whole, effects).or_else(|| Some(Table::stack(&self.parts, effects)))
     }
 }
 

@@ -3,6 +3,7 @@
 //! Every surface of the five sources is of this form. A kind states its two lists of functions and the constant core
 //! `C`; derivatives, enclosures, grids and the exact conversion to NURBS are here, once.
 
+use super::effect::effects;
 use super::{Dir, Surface, check_length, grid, jet_index, jet_len, list, pairs};
 use crate::basis::{FunctionsRef, TABLE_ORDER, Table, room};
 use crate::box3::Box3;
@@ -100,9 +101,11 @@ impl Separable {
         }
     }
 
-    fn tables(&self) -> &[Table; 2] {
-        self.tables
-            .get_or_init(|| [Table::new(&self.u), Table::new(&self.v)])
+    pub(super) fn tables(&self) -> &[Table; 2] {
+        self.tables.get_or_init(|| {
+            let [u, v] = effects(self);
+            [Table::new(&self.u, &u), Table::new(&self.v, &v)]
+        })
     }
 
     /// The functions of u.
