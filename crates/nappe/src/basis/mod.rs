@@ -35,6 +35,20 @@ pub trait Functions: Debug + Send + Sync {
     /// Writes derivatives 0 to `order` of the active functions at `t`.
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]);
 
+    /// The active functions at `t`, with their derivatives 0 to `order` in `out`, which gets the length they need.
+    fn active_jet(
+        &self,
+        t: f64,
+        limit: Limit,
+        order: usize,
+        out: &mut SmallVec<[f64; 32]>,
+    ) -> Range<usize> {
+        let active = self.active(t, limit);
+        out.resize((order + 1) * active.len(), 0.0);
+        self.jet_into(t, limit, order, out);
+        active
+    }
+
     /// Writes enclosures of the same for every parameter in `t`, which lies in one piece (found from its middle
     /// and `limit`).
     fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]);
