@@ -31,10 +31,10 @@ const BOUNDS: &str = "
   piece's middle, and the products with the net. Nets beyond the caches are walked through in their own order, a quarter
   of a million points at a time; there the time goes into waiting for memory, for the net and for results out of order.
 * **Sides that are no polynomials** (turns by angle, trigonometric blending, fillets, expressions) are taken by Taylor
-  polynomials of degree 7 at most, where their remainder is proven to be below rounding; preparing them takes the first
-  list of a surface up to some tens of milliseconds. Where functions are singular, or their own rounding is coarse beside
-  their size (the Diagonal-key's turning functions), they are evaluated as single points are: such lists cost what their
-  functions cost.
+  polynomials of degree 7 at most, where their remainder is proven to be below rounding and their own rounding, measured
+  by what it does to the surface, is fine. Preparing them takes the first list of a surface up to some tens of
+  milliseconds, a Diagonal-key surface in space up to a third of a second. Where functions are singular, they are
+  evaluated as single points are: such lists cost what their functions cost.
 * **mesh**: the enclosures that prove the tolerance.
 
 Grids are the same as single points to the last bit, with any instruction set and any number of threads. Lists are the

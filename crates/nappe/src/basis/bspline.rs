@@ -209,8 +209,20 @@ impl BSplineBasis {
 
     /// Values and derivatives of the active functions in a span, for values and enclosures alike.
     fn eval<S: Scalar>(&self, span: usize, t: S, order: usize, out: &mut [S]) {
-        let p = self.degree;
-        let k = |i: usize| S::from(self.knots[i]);
+        // With the degree known the compiler takes all loops apart.
+        match self.degree {
+            2 => self.eval_of(2, span, t, order, out),
+            3 => self.eval_of(3, span, t, order, out),
+            p => self.eval_of(p, span, t, order, out),
+        }
+    }
+
+    #[inline(always)]
+    fn eval_of<S: Scalar>(&self, p: usize, span: usize, t: S, order: usize, out: &mut [S]) {
+        // The knots that the active functions touch, but for the outermost two: k(i) is the i-th knot.
+        let first = span + 1 - p;
+        let near = &self.knots[first..][..2 * p];
+        let k = |i: usize| S::from(near[i - first]);
         // N_{span-q} … N_span of degree q, one row after the other: row q starts at q (q+1)/2.
         let row = |q: usize| q * (q + 1) / 2;
         let (mut stack, mut heap) = ([S::ONE; 28], Vec::new());
@@ -309,6 +321,19 @@ impl Functions for BSplineBasis {
         self.eval(self.span(t, limit), t, order, out);
     }
 
+    fn active_jet(
+        &self,
+        t: f64,
+        limit: Limit,
+        order: usize,
+        out: &mut SmallVec<[f64; 32]>,
+    ) -> Range<usize> {
+        let span = self.span(t, limit);
+        out.resize((order + 1) * (self.degree + 1), 0.0);
+        self.eval(span, t, order, out);
+        span - self.degree..span + 1
+    }
+
     fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]) {
         self.eval(self.span(t.mid(), limit), t, order, out);
         // The values are between 0 and 1 wherever t stays inside its span.
@@ -337,7 +362,7 @@ impl Functions for BSplineBasis {
         ))
     }
 
-    fn table(&self) -> Option<Table> {
+    fn table(&self, _effects: &[f64]) -> Option<Table> {
         let first = self.spans.iter().map(|s| s - self.degree).collect();
         let bernstein = |piece, f| self.bernstein_of(piece, f).to_vec();
         Table::from_active(&self.breaks, self.degree, first, self.count(), bernstein)

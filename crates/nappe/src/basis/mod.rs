@@ -35,6 +35,20 @@ pub trait Functions: Debug + Send + Sync {
     /// Writes derivatives 0 to `order` of the active functions at `t`.
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]);
 
+    /// The active functions at `t`, with their derivatives 0 to `order` in `out`, which gets the length they need.
+    fn active_jet(
+        &self,
+        t: f64,
+        limit: Limit,
+        order: usize,
+        out: &mut SmallVec<[f64; 32]>,
+    ) -> Range<usize> {
+        let active = self.active(t, limit);
+        out.resize((order + 1) * active.len(), 0.0);
+        self.jet_into(t, limit, order, out);
+        active
+    }
+
     /// Writes enclosures of the same for every parameter in `t`, which lies in one piece (found from its middle
     /// and `limit`).
     fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]);
@@ -44,8 +58,9 @@ pub trait Functions: Debug + Send + Sync {
         None
     }
 
-    /// The functions prepared for many parameters, where that pays.
-    fn table(&self) -> Option<Table> {
+    /// The functions prepared for many parameters, where that pays. An error of 1 in each function moves the surface
+    /// that is made of them by `effects` of the surface's size.
+    fn table(&self, _effects: &[f64]) -> Option<Table> {
         Table::from_piecewise(&self.to_piecewise()?)
     }
 }
@@ -197,10 +212,10 @@ impl Functions for Stack {
         let parts: Option<Vec<_>> = self.parts.iter().map(|p| p.to_piecewise()).collect();
         Some(PiecewiseRational::stack(&parts?))
     }
-    fn table(&self) -> Option<Table> {
+    fn table(&self, effects: &[f64]) -> Option<Table> {
         // Together the parts are found and evaluated once.
         let whole: FunctionsRef = Arc::new(self.clone());
-        Table::taylor(&whole).or_else(|| Some(Table::stack(&self.parts)))
+        Table::taylor(&whole, effects).or_else(|| Some(Table::stack(&self.parts, effects)))
     }
 }
 

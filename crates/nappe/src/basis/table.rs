@@ -40,13 +40,14 @@ impl Table {
     /// The largest number of coefficients of a table that is made of all functions over all pieces.
     const LARGEST: usize = 1 << 20;
 
-    /// The table of a list: its own, or one of Taylor polynomials, or one that evaluates the list as it is.
-    pub(crate) fn new(functions: &FunctionsRef) -> Self {
-        let own = functions.table();
+    /// The table of a list: its own, or one of Taylor polynomials, or one that evaluates the list as it is. An error of
+    /// 1 in a function moves the surface by `effects` of the surface's size.
+    pub(crate) fn new(functions: &FunctionsRef, effects: &[f64]) -> Self {
+        let own = functions.table(effects);
         match own {
             // Taylor polynomials need no division.
-            None => Self::taylor(functions),
-            Some(ref table) if table.is_quotient() => Self::taylor(functions).or(own),
+            None => Self::taylor(functions, effects),
+            Some(ref table) if table.is_quotient() => Self::taylor(functions, effects).or(own),
             own => own,
         }
         .unwrap_or_else(|| Self {
@@ -56,8 +57,8 @@ impl Table {
     }
 
     /// The table of Taylor polynomials, if there is one that is near enough.
-    pub(crate) fn taylor(functions: &FunctionsRef) -> Option<Self> {
-        let powers = Taylor::new(functions.as_ref())?.into_powers();
+    pub(crate) fn taylor(functions: &FunctionsRef, effects: &[f64]) -> Option<Self> {
+        let powers = Taylor::new(functions.as_ref(), effects)?.into_powers();
         let part = Part::Taylor(powers, functions.breaks().domain(), functions.clone());
         Some(Self {
             parts: vec![part],
@@ -66,10 +67,16 @@ impl Table {
     }
 
     /// The tables of several lists, one after the other.
-    pub(crate) fn stack(lists: &[FunctionsRef]) -> Self {
+    pub(crate) fn stack(lists: &[FunctionsRef], effects: &[f64]) -> Self {
+        let mut rest = effects;
+        let table = |l: &FunctionsRef| {
+            let (own, others) = rest.split_at(l.count());
+            rest = others;
+            Self::new(l, own).parts
+        };
         Self {
-            parts: lists.iter().flat_map(|l| Self::new(l).parts).collect(),
-            count: lists.iter().map(|l| l.count()).sum(),
+            parts: lists.iter().flat_map(table).collect(),
+            count: effects.len(),
         }
     }
 

@@ -13,19 +13,24 @@ use smallvec::SmallVec;
 
 /// The highest degree: its remainder takes the highest derivative that callers may rely on.
 const DEGREE: usize = MAX_ORDER - 1;
-/// What the remainder may be, relative to the greatest value of a function: half a unit in the last place.
+/// What the remainder may be, relative to the size of a function: half a unit in the last place.
 const REMAINDER: f64 = 0.5 * f64::EPSILON;
-/// How many times more it may be for each derivative, relative to the greatest value over the width of a piece: with less,
+/// What a function moves the surface by, relative to the surface's size, when it changes by its size: for functions that
+/// do less the size is what would do that much. Ten such functions with their greatest remainders move it by little more
+/// than a unit in the last place.
+const SHARE: f64 = 0.25;
+/// How many times more it may be for each derivative, relative to the size over the width of a piece: with less,
 /// second derivatives, which lose such digits to rounding anyway, would ask for parts several times smaller.
 const LOSS: f64 = 8.0;
 /// Where in a piece values are taken to find how large they are: not evenly, or waves would be sampled at their zeros.
 const SAMPLES: [f64; 5] = [0.0, 0.29, 0.5, 0.83, 1.0];
-/// What rounding may add relative to the greatest value, measured at the ends of each part: twice what trigonometric
-/// blending, with its long formulas, differs by from one parameter to the next. More may say that the highest derivatives
-/// are wrong.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// The most coefficients: half a megabyte, which stays in the second-level cache.
-const MOST: usize = 1 << 16;
+/// What rounding may move the surface by, relative to its size, if the differences of all functions at the ends of a part
+/// add up: twice what the longest formulas (trigonometric blending, turning operators) bring. More may say that the
+/// highest derivatives are wrong.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// The most coefficients: two megabytes, which leave the second-level cache at worst. Functions that need so many cost
+/// far more to evaluate than that.
+const MOST: usize = 1 << 18;
 /// Halvings of a piece. Functions that need more are singular somewhere.
 const DEPTH: usize = 16;
 
@@ -49,15 +54,18 @@ struct Part {
 struct Source<'a> {
     functions: &'a dyn Functions,
     width: usize,
-    /// The greatest absolute values found.
+    /// What an error of 1 does to the surface, relative to the surface's size.
+    effects: &'a [f64],
+    /// The greatest absolute values found, or more where that does little to the surface: see [`SHARE`].
     sizes: Vec<f64>,
 }
 
 impl Taylor {
-    /// `None` if no such polynomials are near enough, or if they are too many.
-    pub(super) fn new(functions: &dyn Functions) -> Option<Self> {
+    /// `None` if no such polynomials are near enough, or if they are too many. An error of 1 in a function moves the
+    /// surface by `effects` of the surface's size.
+    pub(super) fn new(functions: &dyn Functions, effects: &[f64]) -> Option<Self> {
         let breaks = functions.breaks();
-        let source = Source::new(functions)?;
+        let source = Source::new(functions, effects)?;
         let pieces: Vec<Interval> = (0..breaks.pieces()).map(|k| breaks.piece(k)).collect();
         let whole: Vec<_> = pieces.iter().map(|&p| source.enclose(p)).collect();
         // The least degree that needs no halving, else the highest.
@@ -110,37 +118,30 @@ impl Taylor {
 }
 
 impl<'a> Source<'a> {
-    /// Finds how many functions are active and how large they are; `None` if that differs or is not finite.
-    fn new(functions: &'a dyn Functions) -> Option<Self> {
+    /// Finds how many functions are active and how large they are; `None` if the number differs from piece to piece or
+    /// a value is not finite.
+    fn new(functions: &'a dyn Functions, effects: &'a [f64]) -> Option<Self> {
         let breaks = functions.breaks();
-        let mut sizes = vec![0.0f64; functions.count()];
-        let width = functions.active(breaks.piece(0).mid(), Limit::Above).len();
-        let mut values: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, width);
-        for k in 0..breaks.pieces() {
-            let Interval { lo, hi } = breaks.piece(k);
-            for share in SAMPLES {
-                let t = lo + (hi - lo) * share;
-                let limit = if share < 1.0 {
-                    Limit::Above
-                } else {
-                    Limit::Below
-                };
-                let active = functions.active(t, limit);
-                if active.len() != width {
-                    return None;
-                }
-                functions.jet_into(t, limit, 0, &mut values);
-                for (size, x) in sizes[active].iter_mut().zip(&values) {
-                    if !x.is_finite() {
-                        return None;
-                    }
-                    *size = size.max(x.abs());
-                }
+        let width_of = |piece| {
+            let t = breaks.piece(piece).mid();
+            functions.active(t, Limit::Above).len()
+        };
+        let width = width_of(0);
+        let mut sizes = greatest(functions);
+        if !(1..breaks.pieces()).all(|k| width_of(k) == width)
+            || !sizes.iter().all(|s| s.is_finite())
+        {
+            return None;
+        }
+        for (size, &effect) in sizes.iter_mut().zip(effects) {
+            if effect > 0.0 {
+                *size = size.max(SHARE / effect);
             }
         }
         Some(Self {
             functions,
             width,
+            effects,
             sizes,
         })
     }
@@ -187,17 +188,47 @@ impl<'a> Source<'a> {
         let mut values: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, self.width);
         for (at, s, limit) in [(t.lo, -1.0, Limit::Above), (t.hi, 1.0, Limit::Below)] {
             self.functions.jet_into(at, limit, 0, &mut values);
+            let mut moved = 0.0;
             for (f, x) in values.iter().enumerate() {
                 let rows = powers.iter().skip(f).step_by(self.width);
                 let p = rows.rev().fold(0.0, |p, c| c + p * s);
-                let off = (p - x).abs();
-                if off.is_nan() || off > ROUNDING * self.sizes[first + f] {
-                    return None;
-                }
+                moved += self.effects[first + f] * (p - x).abs();
+            }
+            if moved.is_nan() || moved > ROUNDING {
+                return None;
             }
         }
         Some(powers)
     }
+}
+
+/// The greatest absolute values of functions found at samples of each piece; infinite where a value is not finite.
+fn greatest(functions: &dyn Functions) -> Vec<f64> {
+    let breaks = functions.breaks();
+    let mut sizes = vec![0.0f64; functions.count()];
+    let mut values: SmallVec<[f64; 32]> = SmallVec::new();
+    for k in 0..breaks.pieces() {
+        let Interval { lo, hi } = breaks.piece(k);
+        for share in SAMPLES {
+            let t = lo + (hi - lo) * share;
+            let limit = if share < 1.0 {
+                Limit::Above
+            } else {
+                Limit::Below
+            };
+            let active = functions.active(t, limit);
+            values.resize(active.len(), 0.0);
+            functions.jet_into(t, limit, 0, &mut values);
+            for (size, x) in sizes[active].iter_mut().zip(&values) {
+                *size = if x.is_finite() {
+                    size.max(x.abs())
+                } else {
+                    f64::INFINITY
+                };
+            }
+        }
+    }
+    sizes
 }
 
 #[cfg(test)]
@@ -215,6 +246,13 @@ mod tests {
         Arc::new(ExpressionFunctions::new([bound], domain).unwrap())
     }
 
+    /// As if every function had the same share of a surface.
+    fn taylor(f: &FunctionsRef) -> Option<Table> {
+        let effect = |size: f64| 1.0 / (size * f.count() as f64);
+        let effects: Vec<f64> = greatest(f.as_ref()).into_iter().map(effect).collect();
+        Table::taylor(f, &effects)
+    }
+
     fn both(table: &Table, f: &FunctionsRef, t: f64) -> [Vec<f64>; 2] {
         let mut out = [(); 2].map(|()| vec![0.0; 3 * f.count()]);
         table.eval::<_, 3>(Plain, t, &mut out[0]);
@@ -225,8 +263,8 @@ mod tests {
     /// The greatest differences of values and derivatives from those of the list itself, relative to their own greatest
     /// values and those of the functions over powers of the width of a piece, in units in the last place.
     fn worst(f: &FunctionsRef) -> [f64; 3] {
-        let (table, n) = (Table::taylor(f).unwrap(), f.count());
-        let values = Source::new(f.as_ref()).unwrap().sizes;
+        let (table, n) = (taylor(f).unwrap(), f.count());
+        let values = greatest(f.as_ref());
         let (breaks, mut random) = (f.breaks(), Random(4));
         let (mut off, mut sizes) = (vec![0.0f64; 3 * n], vec![0.0f64; 3 * n]);
         let inside: Vec<f64> = (0..2000).map(|_| random.within(breaks.domain())).collect();
@@ -285,7 +323,7 @@ mod tests {
             spline(7),
             Arc::new(BSplineBasis::bernstein(2)),
         ]);
-        let taylor = Taylor::new(&list).unwrap();
+        let taylor = Taylor::new(&list, &[1.0; 5]).unwrap();
         // Knots at halves and at quarters.
         assert_eq!((taylor.degree, taylor.parts.len(), taylor.width), (3, 4, 5));
         let [value, first, second] = worst(&(Arc::new(list) as FunctionsRef));
@@ -296,24 +334,33 @@ mod tests {
     }
 
     #[test]
+    fn a_remainder_counts_by_what_it_does() {
+        let f = expression("1e-8 * exp(sin(9 * t))", [0.0, 1.0]);
+        let parts = |effect| Taylor::new(f.as_ref(), &[effect]).unwrap().parts.len();
+        // A function that moves the surface by its size needs what it needs alone.
+        assert_eq!(parts(1e7), parts(0.0));
+        assert!(parts(1.0) < parts(1e7) / 4);
+    }
+
+    #[test]
     fn what_is_singular_is_refused() {
         // Almost: where the root's derivatives are infinite, expressions themselves are refused.
         for (text, domain) in [
             ("sqrt(t)", [1e-12, 1.0]),
             ("sqrt(1 - t)", [0.0, 1.0 - 1e-12]),
         ] {
-            assert!(Table::taylor(&expression(text, domain)).is_none(), "{text}");
+            assert!(taylor(&expression(text, domain)).is_none(), "{text}");
         }
         // It has a table all the same: the functions as they are.
         let f = expression("sqrt(t)", [1e-12, 1.0]);
-        let [out, want] = both(&Table::new(&f), &f, 0.3);
+        let [out, want] = both(&Table::new(&f, &[1.0]), &f, 0.3);
         assert_eq!(out, want);
     }
 
     #[test]
     fn beyond_the_domain_functions_are_evaluated_as_they_are() {
         let f: FunctionsRef = Arc::new(Trigonometric::new(1.0).unwrap());
-        let table = Table::taylor(&f).unwrap();
+        let table = taylor(&f).unwrap();
         for t in [-1.0, -1e-17, 1.0f64.next_up(), 9.0, 1e300] {
             let [out, want] = both(&table, &f, t);
             assert_eq!(out, want, "{t}");

@@ -102,16 +102,10 @@ fn evaluate<Q: Quads, const ORDER: usize, const JET: usize>(
     for (tile, v) in v.chunks(COLUMNS).enumerate() {
         let columns = Columns::new(surface, v, ORDER);
         for (row, &u) in u.iter().enumerate() {
-            let active = surface.functions_u().active(u, Limit::Above);
-            a.clear();
-            a.resize((ORDER + 1) * active.len(), 0.0);
-            surface
-                .functions_u()
-                .jet_into(u, Limit::Above, ORDER, &mut a);
+            let side = surface.functions_u();
+            let active = side.active_jet(u, Limit::Above, ORDER, &mut a);
             match surface.core() {
-                Core::Net(net) => {
-                    collapse_net(&a, &net[active.start * count..], count, 0..count, &mut k)
-                }
+                Core::Net(net) => collapse_net(&a, &net[active.start * count..], count, &mut k),
                 Core::Terms(_) => {
                     surface.collapse(&a, [active, 0..count], None, false, &mut k);
                 }
@@ -148,22 +142,14 @@ fn evaluate<Q: Quads, const ORDER: usize, const JET: usize>(
     }
 }
 
-/// `K_j⁽ᵖ⁾ = Σ_i a_i⁽ᵖ⁾ C_ij` for some columns j, of a net that starts with the first active row and has rows of
-/// `count` points.
+/// `K_j⁽ᵖ⁾ = Σ_i a_i⁽ᵖ⁾ C_ij` of a net that starts with the first active row and has rows of `count` points.
 #[inline(always)]
-pub(super) fn collapse_net(
-    a: &[f64],
-    net: &[DVec4],
-    count: usize,
-    columns: Range<usize>,
-    k: &mut [[f64; 4]],
-) {
-    let wide = columns.len();
-    let n = a.len() / (k.len() / wide);
-    for (k, a) in k.chunks_exact_mut(wide).zip(a.chunks_exact(n)) {
+fn collapse_net(a: &[f64], net: &[DVec4], count: usize, k: &mut [[f64; 4]]) {
+    let n = a.len() / (k.len() / count);
+    for (k, a) in k.chunks_exact_mut(count).zip(a.chunks_exact(n)) {
         k.fill([0.0; 4]);
         for (&a, row) in a.iter().zip(net.chunks_exact(count)) {
-            for (k, c) in k.iter_mut().zip(&row[columns.clone()]) {
+            for (k, c) in k.iter_mut().zip(row) {
                 *k = [
                     k[0] + a * c.x,
                     k[1] + a * c.y,

@@ -320,7 +320,7 @@ mod tests {
     fn the_widest_and_the_plain_path_give_the_same_bits() {
         let surface = example(9);
         let s = surface.separable();
-        let tables = [s.functions_u(), s.functions_v()].map(Table::new);
+        let tables = s.tables();
         let mut random = Random(8);
         let uv: Vec<[f64; 2]> = (0..99).map(|_| [random.unit(), random.unit()]).collect();
         let Core::Net(net) = s.core() else {
@@ -345,15 +345,15 @@ mod tests {
                 out,
             }
         }
-        jets(s, &tables, &uv, 2, wide);
+        jets(s, tables, &uv, 2, wide);
         let net = Net::<_, 4, 3, 6> {
-            task: task(s, &tables, &uv, plain),
+            task: task(s, tables, &uv, plain),
             net,
             sides: [u, v],
         };
         net.run(Plain);
-        with_quads(Any::<_, 3, 6>(task(s, &tables, &uv, any)));
-        Any::<_, 3, 6>(task(s, &tables, &uv, any_plain)).run(Plain);
+        with_quads(Any::<_, 3, 6>(task(s, tables, &uv, any)));
+        Any::<_, 3, 6>(task(s, tables, &uv, any_plain)).run(Plain);
         assert_eq!(out[0], out[1]);
         assert_eq!(out[2], out[3]);
         // The kernel for any sides takes the same sums in another order.

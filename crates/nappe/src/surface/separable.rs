@@ -3,6 +3,8 @@
 //! Every surface of the five sources is of this form. A kind states its two lists of functions and the constant core
 //! `C`; derivatives, enclosures, grids and the exact conversion to NURBS are here, once.
 
+use super::effect::effects;
+use super::quotient::quotient;
 use super::{Dir, Surface, check_length, grid, jet_index, jet_len, list, pairs};
 use crate::basis::{FunctionsRef, TABLE_ORDER, Table, room};
 use crate::box3::Box3;
@@ -100,9 +102,11 @@ impl Separable {
         }
     }
 
-    fn tables(&self) -> &[Table; 2] {
-        self.tables
-            .get_or_init(|| [Table::new(&self.u), Table::new(&self.v)])
+    pub(super) fn tables(&self) -> &[Table; 2] {
+        self.tables.get_or_init(|| {
+            let [u, v] = effects(self);
+            [Table::new(&self.u, &u), Table::new(&self.v, &v)]
+        })
     }
 
     /// The functions of u.
@@ -249,6 +253,68 @@ impl Separable {
         }
     }
 
+    /// The derivatives of `r - origin` up to `ROWS - 1` from those of the active functions, for a net: the operations of a
+    /// grid in the same order.
+    #[inline(always)]
+    fn net_jet<const ROWS: usize, const JET: usize>(
+        &self,
+        net: &[DVec4],
+        [a, b]: [&[f64]; 2],
+        [u, v]: [Range<usize>; 2],
+        out: &mut [DVec3],
+    ) {
+        let (na, nb, count) = (u.len(), v.len(), self.v.count());
+        let net = &net[u.start * count + v.start..];
+        let mut h = [DVec4::ZERO; JET];
+        for j in 0..nb {
+            let mut k = [DVec4::ZERO; ROWS];
+            for i in 0..na {
+                let c = net[i * count + j];
+                for p in 0..ROWS {
+                    k[p] += c * a[p * na + i];
+                }
+            }
+            for p in 0..ROWS {
+                for q in 0..ROWS - p {
+                    h[jet_index(p, q)] += k[p] * b[q * nb + j];
+                }
+            }
+        }
+        if self.rational {
+            let r = quotient(&h.map(|h| h.to_array()));
+            for (o, r) in out.iter_mut().zip(r) {
+                *o = DVec3::from_array(r);
+            }
+        } else {
+            for (o, h) in out.iter_mut().zip(h) {
+                *o = h.xyz();
+            }
+        }
+    }
+
+    /// The same for any core and order.
+    fn any_jet(
+        &self,
+        [a, b]: [&[f64]; 2],
+        active: [Range<usize>; 2],
+        order: usize,
+        out: &mut [DVec3],
+    ) {
+        let (mut k, mut more_k) = ([[0.0; 4]; 16], Vec::new());
+        let (mut h, mut r) = ([[0.0; 4]; 10], [[0.0; 3]; 10]);
+        let (mut more_h, mut more_r) = (Vec::new(), Vec::new());
+        let count = active[1].len();
+        let k = room(&mut k, &mut more_k, (order + 1) * count, [0.0; 4]);
+        let h = room(&mut h, &mut more_h, jet_len(order), [0.0; 4]);
+        let r = room(&mut r, &mut more_r, jet_len(order), [0.0; 3]);
+        self.collapse(a, active, None, false, k);
+        Self::contract(k, b, count, order, false, h);
+        self.dehomogenise(h, order, r);
+        for (o, r) in out.iter_mut().zip(r) {
+            *o = DVec3::from_array(*r);
+        }
+    }
+
     /// Encloses the surface over the product of two parts.
     fn enclose_product(&self, [u, v]: [&Enclosed; 2], order: usize, out: &mut [Box3]) {
         let shift = self.rational.then(|| {
@@ -360,32 +426,16 @@ impl Surface for Separable {
     }
 
     fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
-        let (ra, rb) = (
-            self.u.active(uv[0], limit[0]),
-            self.v.active(uv[1], limit[1]),
-        );
-        let (mut a, mut b, mut k) = ([0.0; 32], [0.0; 32], [[0.0; 4]; 16]);
-        let (mut more_a, mut more_b, mut more_k) = (Vec::new(), Vec::new(), Vec::new());
-        let a = room(&mut a, &mut more_a, (order + 1) * ra.len(), 0.0);
-        let b = room(&mut b, &mut more_b, (order + 1) * rb.len(), 0.0);
-        let k = room(&mut k, &mut more_k, (order + 1) * rb.len(), [0.0; 4]);
-        self.u.jet_into(uv[0], limit[0], order, a);
-        self.v.jet_into(uv[1], limit[1], order, b);
-        match &self.core {
-            Core::Net(net) => {
-                let count = self.v.count();
-                grid::collapse_net(a, &net[ra.start * count..], count, rb.clone(), k);
-            }
-            Core::Terms(_) => self.collapse(a, [ra, rb.clone()], None, false, k),
-        }
-        let (mut h, mut r) = ([[0.0; 4]; 10], [[0.0; 3]; 10]);
-        let (mut more_h, mut more_r) = (Vec::new(), Vec::new());
-        let h = room(&mut h, &mut more_h, jet_len(order), [0.0; 4]);
-        let r = room(&mut r, &mut more_r, jet_len(order), [0.0; 3]);
-        Self::contract(k, b, rb.len(), order, false, h);
-        self.dehomogenise(h, order, r);
-        for (o, r) in out.iter_mut().zip(r) {
-            *o = DVec3::from_array(*r);
+        let (mut a, mut b) = (SmallVec::new(), SmallVec::new());
+        let active = [
+            self.u.active_jet(uv[0], limit[0], order, &mut a),
+            self.v.active_jet(uv[1], limit[1], order, &mut b),
+        ];
+        match (&self.core, order) {
+            (Core::Net(net), 0) => self.net_jet::<1, 1>(net, [&a, &b], active, out),
+            (Core::Net(net), 1) => self.net_jet::<2, 3>(net, [&a, &b], active, out),
+            (Core::Net(net), 2) => self.net_jet::<3, 6>(net, [&a, &b], active, out),
+            _ => self.any_jet([&a, &b], active, order, out),
         }
         out[0] += self.origin;
     }
