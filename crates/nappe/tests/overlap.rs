@@ -48,9 +48,7 @@ fn placed(s: &[SurfaceRef], scale: f64, far: f64) -> Vec<SurfaceRef> {
 }
 
 fn examined(s: &[SurfaceRef], contact: f64) -> Overlaps {
-    // Twice the default: thin gaps need more pairs of rectangles.
-    let budget = 20_000;
-    let found = overlaps(s, &OverlapOptions { contact, budget });
+    let found = overlaps(s, &OverlapOptions::with_contact(contact));
     assert_eq!(found.found.len() + found.apart, s.len() * (s.len() + 1) / 2);
     // The accuracy of points is relative to the greatest coordinate.
     let boxes = s.iter().flat_map(|s| s.bounds(s.domain()).to_array());
@@ -251,8 +249,13 @@ fn planes_cross_touch_and_stay_apart() {
     assert_crosses(&[floor.clone(), wall(-1.0)], [0, 1], Some(angle));
     assert_apart(&[floor.clone(), wall(0.01)]);
     // It stands on the floor: a side of the wall lies in it.
-    let o = only(&[floor.clone(), wall(0.0)], 1.0, 0.0);
-    assert_eq!((o.surfaces, o.meeting), ([0, 1], Meeting::Touches), "{o:?}");
+    let touch = Meeting::Touches { only: true };
+    for (scale, far) in PLACES {
+        let o = only(&[floor.clone(), wall(0.0)], scale, far);
+        assert_eq!((o.surfaces, o.meeting), ([0, 1], touch), "{o:?}");
+    }
+    // A little through the floor is not standing on it.
+    assert_crosses(&[floor.clone(), wall(-1e-5)], [0, 1], Some(angle));
     // The same surface twice has all in common.
     let o = only(&[floor.clone(), floor], 1.0, 0.0);
     assert_eq!(
@@ -348,11 +351,64 @@ fn a_tangent_sphere_touches() {
     assert!(
         matches!(
             o.meeting,
-            Meeting::Touches
+            Meeting::Touches { .. }
                 | Meeting::Undecided {
                     distance: 0.0..1e-4
                 }
         ),
         "{o:?}"
     );
+}
+
+/// A quarter of a cylinder of radius 1 that comes down to the height `z` at its side `v = 0`, tilted there by an angle.
+fn quarter(z: f64, tilt: f64) -> SurfaceRef {
+    let w = 0.5f64.sqrt();
+    let arc = |y: f64| -> CurveRef {
+        let turned = |x: f64, h: f64| {
+            let (s, c) = tilt.sin_cos();
+            v(c * x - s * h, y, z + s * x + c * h)
+        };
+        let points = [turned(0., 0.), turned(1., 0.), turned(1., 1.)];
+        Arc::new(NurbsCurve::bezier(&points, Some(&[1.0, w, 1.0])).unwrap())
+    };
+    between(arc(-0.5), arc(0.5))
+}
+
+#[test]
+fn a_fillet_is_tangent_to_its_floor_and_does_not_pass_through_it() {
+    let floor = |y: f64| quad(v(-1., -y, 0.), v(2., -y, 0.), v(2., y, 0.), v(-1., y, 0.));
+    for (scale, far) in PLACES {
+        let o = only(&[floor(1.0), quarter(0.0, 0.0)], scale, far);
+        assert_eq!(o.meeting, Meeting::Touches { only: true }, "{o:?}");
+    }
+    assert_apart(&[floor(1.0), quarter(0.01, 0.0)]);
+    // Pushed through the floor, or tilted down so that it dips below and comes up again beside the side.
+    for through in [quarter(-0.01, 0.0), quarter(0.0, -0.05)] {
+        for (scale, far) in PLACES {
+            let o = only(&[floor(1.0), through.clone()], scale, far);
+            let passes = matches!(o.meeting, Meeting::Crosses { .. });
+            assert!(
+                passes || o.meeting == Meeting::Touches { only: false },
+                "{o:?}"
+            );
+            assert!(passes || through.point([0.0, 0.0]).z == 0.0, "{o:?}");
+        }
+    }
+}
+
+#[test]
+fn a_rib_stands_on_a_line_of_a_curved_surface() {
+    let bow = |y: &str, z: &str| curve("2*t - 1", y, &format!("0.3*cos(3*t) + {z}"));
+    let skin = between(bow("-1", "0"), bow("2", "0.2"));
+    let foot = |z: f64| -> SurfaceRef {
+        let line = |h: f64| bow("0.1 + 0*t", &format!("({})", 0.2 * 1.1 / 3.0 + h));
+        between(line(z), line(z + 0.5))
+    };
+    for (scale, far) in PLACES {
+        let o = only(&[skin.clone(), foot(0.0)], scale, far);
+        assert_eq!(o.meeting, Meeting::Touches { only: true }, "{o:?}");
+    }
+    assert_apart(&[skin.clone(), foot(0.01)]);
+    // It begins a little below: that it stands on the surface must not be said.
+    assert_crosses(&[skin, foot(-0.05)], [0, 1], None);
 }

@@ -127,7 +127,7 @@ fn scaled(c: Certainty, factor: f64) -> Certainty {
 }
 
 /// A range of the first side's parameter with the polynomial that gives the second's: `Σ c_k (t - from)ᵏ`.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Cell {
     pub(super) t: Interval,
     from: f64,

@@ -45,7 +45,7 @@ impl<'a> Edge<'a> {
     }
 
     /// The line where the parameter across has the value `at`; `side` says only which way it runs.
-    pub(super) fn inside(surface: &'a dyn Surface, across: Dir, at: f64) -> Self {
+    pub(crate) fn inside(surface: &'a dyn Surface, across: Dir, at: f64) -> Self {
         let side = match across {
             Dir::U => Side::West,
             Dir::V => Side::South,

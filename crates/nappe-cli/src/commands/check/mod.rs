@@ -29,7 +29,7 @@ mod passing;
 ///
 /// Every surface with itself, and every two surfaces, are proven to have no points in common but those within the
 /// tolerance of the mesh of a shared side or corner, or the place is told where they cross, touch, or where that is not
-/// decided.
+/// decided. Of surfaces that touch it is told whether that they cross elsewhere is excluded.
 ///
 /// It fails (exit code 1) if a declared check is missed, or can be neither proven nor estimated to hold, if sides meet
 /// within the tolerance of the mesh but not closely enough to be joined, or if a surface is torn, folds over or passes

@@ -32,7 +32,12 @@ impl Passing {
 
     /// The number of pairs for which neither a crossing was found nor its absence proven.
     pub(super) fn undecided(&self) -> usize {
-        let open = |o: &&Overlap| matches!(o.meeting, Meeting::Undecided { .. } | Meeting::Touches);
+        let open = |o: &&Overlap| {
+            matches!(
+                o.meeting,
+                Meeting::Undecided { .. } | Meeting::Touches { only: false }
+            )
+        };
         self.all.found.iter().filter(open).count()
     }
 
@@ -94,7 +99,8 @@ impl Passing {
                 if proven { "proven" } else { "found" }
             ),
             Meeting::Overlaps => "have an area in common, found".to_owned(),
-            Meeting::Touches => "touch; that they cross is not excluded".to_owned(),
+            Meeting::Touches { only: true } => "touch; that they cross is excluded".to_owned(),
+            Meeting::Touches { only: false } => "touch; that they cross is not excluded".to_owned(),
             // One place of one surface: not two that come near each other.
             Meeting::Undecided { .. } if o.surfaces[0] == o.surfaces[1] && o.uv[0] == o.uv[1] => {
                 "not decided beside this place".to_owned()
@@ -118,7 +124,7 @@ impl Passing {
                 let (what, proven, angle, distance) = match o.meeting {
                     Meeting::Crosses { proven, angle } => ("cross", proven, Some(angle), None),
                     Meeting::Overlaps => ("overlap", false, None, None),
-                    Meeting::Touches => ("touch", false, None, None),
+                    Meeting::Touches { only } => ("touch", only, None, None),
                     Meeting::Undecided { distance } => ("undecided", false, None, Some(distance)),
                 };
                 json!({

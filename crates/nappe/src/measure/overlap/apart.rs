@@ -17,13 +17,16 @@
 //! at most `|T| g` over the least product. This holds for every angle between the surfaces but 0: f is square to the
 //! bisector.
 //!
+//! **On two sides of a plane**, but for rounding: surfaces that touch. This is told from being apart.
+//!
 //! **Around a shared corner or pole**: `r(p) = P + Σ aᵢcᵢ`, `r(q) = P + Σ bⱼdⱼ + j` with the inward tangents; if `f·aᵢ > 0 >
 //! f·bⱼ`, points are the same only where all `cᵢ`, `dⱼ` are at most g over the least product.
 
 use super::links::{Links, Place, Seam};
-use super::tree::{Node, Tree};
+use super::tree::{Line, Node, Tree};
 use crate::box3::Box3;
 use crate::interval::Interval;
+use crate::surface::{Side, jet_index};
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -57,6 +60,52 @@ pub(super) fn apart(trees: [&Tree; 2], x: &Node, y: &Node, links: &Links, contac
         })
 }
 
+/// True if a plane has one node on either side, but for `slack`: the nodes touch at most. Where both lie in the plane they
+/// may have an area in common: that is not told.
+pub(super) fn touch(trees: [&Tree; 2], x: &Node, y: &Node, slack: f64) -> bool {
+    let sides = |a: Interval, b: Interval| {
+        (a.hi - b.lo <= slack || b.hi - a.lo <= slack) && a.width().max(b.width()) > 2.0 * slack
+    };
+    let (p, q) = (x.bounds.to_array(), y.bounds.to_array());
+    (0..3).any(|k| sides(p[k], q[k]))
+        || [x.normal, y.normal]
+            .into_iter()
+            .flatten()
+            .any(|f| sides(x.range(f), y.range(f)))
+        || rests(x, trees[1], y, slack)
+        || rests(y, trees[0], x, slack)
+}
+
+/// True if `x` is flat, and `y` has a side in its plane and rises from it to one side only. With the distance c from the
+/// side the height over the plane is `h + h' c + h'' c²/2`, h and h' being those at the side and h'' a mean: an enclosure
+/// over all of `y` would not be sharp enough where the side is tangent to the plane.
+fn rests(x: &Node, tree: &Tree, y: &Node, slack: f64) -> bool {
+    let Some(f) = x.normal else { return false };
+    let plane = x.range(f);
+    if plane.width() > slack {
+        return false;
+    }
+    let normal = Box3::point(f);
+    Side::ALL.into_iter().any(|side| {
+        let Line { across: d, at } = Line::side(tree.surface, side);
+        if y.uv[d].lo != at && y.uv[d].hi != at {
+            return false;
+        }
+        let mut line = y.uv;
+        line[d] = Interval::point(at);
+        let beside = tree.surface.enclose(line, 1);
+        let height = normal.dot(beside[0]) - plane;
+        if height.mag() > slack {
+            return false;
+        }
+        let bent = tree.surface.enclose(y.uv, 2)[jet_index(2 - 2 * d, 2 * d)];
+        let c = y.uv[d] - Interval::point(at);
+        let half = Interval::point(0.5);
+        let rise = height + normal.dot(beside[1 + d]) * c + normal.dot(bent) * c.sqr() * half;
+        (rise.lo >= -2.0 * slack || rise.hi <= 2.0 * slack) && rise.width() > 4.0 * slack
+    })
+}
+
 fn beside(x: &Node, y: &Node) -> bool {
     let products: Vectors = [x, y]
         .iter()
@@ -68,8 +117,10 @@ fn beside(x: &Node, y: &Node) -> bool {
 /// Both are in one rectangle whose points are all different.
 fn inside(tree: &Tree, x: &Node, y: &Node) -> bool {
     let both = [0, 1].map(|d| x.uv[d].hull(y.uv[d]));
-    // A rectangle that is that of one of them was looked at already.
+    // A rectangle that is that of one of them was looked at already. Where the proof fails for the tangents of both it
+    // fails for those of a larger rectangle, which would have to be enclosed first.
     !(both == x.uv || both == y.uv)
+        && beside(x, y)
         && tree
             .grow(if x.size() > y.size() { x } else { y }, both)
             .is_some_and(|z| beside(&z, &z))
@@ -77,19 +128,26 @@ fn inside(tree: &Tree, x: &Node, y: &Node) -> bool {
 
 fn across(trees: [&Tree; 2], [x, y]: [&Node; 2], seam: &Seam, contact: f64) -> bool {
     let [first, second] = &seam.borders;
-    let (Some(x), Some(y)) = (
-        first.reach(x.uv).and_then(|uv| trees[0].grow(x, uv)),
-        second.reach(y.uv).and_then(|uv| trees[1].grow(y, uv)),
-    ) else {
+    let (Some(p), Some(q)) = (first.reach(x.uv), second.reach(y.uv)) else {
         return false;
     };
+    if !(trees[0].grows(x, p) && trees[1].grows(y, q)) {
+        return false;
+    }
     let Some(range) = seam.back(y.uv[1 - second.across]) else {
         return false;
     };
     let tangent = seam.tangent(trees[0].surface, range.hull(x.uv[1 - first.across]));
+    let sets = |inward: [Box3; 2]| [tangent.cross(inward[0]), inward[1].cross(tangent)];
+    // What fails without growing fails with larger sets.
+    if half_space(&sets([first.inward(x), second.inward(y)])).is_none() {
+        return false;
+    }
+    let (Some(x), Some(y)) = (trees[0].grow(x, p), trees[1].grow(y, q)) else {
+        return false;
+    };
     let inward = [first.inward(&x), second.inward(&y)];
-    let sets = [tangent.cross(inward[0]), inward[1].cross(tangent)];
-    let Some((_, least)) = half_space(&sets) else {
+    let Some((_, least)) = half_space(&sets(inward)) else {
         return false;
     };
     let gap = tangent.norm() * Interval::point(seam.gap);

@@ -1,7 +1,7 @@
 //! What two surfaces, or a surface with itself, are meant to have in common.
 
 use super::meet::ON_SIDE;
-use super::tree::{Node, Tree};
+use super::tree::{Line, Node, Tree};
 use crate::box3::Box3;
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
@@ -25,12 +25,11 @@ pub(super) struct Border {
 }
 
 impl Border {
-    fn of(surface: &dyn Surface, side: Side) -> Self {
-        let edge = Edge::new(surface, side);
+    fn of(edge: &Edge) -> Self {
         Self {
-            across: side.across() as usize,
+            across: edge.side.across() as usize,
             at: edge.at,
-            below: side.is_upper(),
+            below: edge.side.is_upper(),
         }
     }
 
@@ -87,7 +86,7 @@ impl Border {
 }
 
 /// Two sides that are one, or both sides of a crease.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Seam {
     pub(super) borders: [Border; 2],
     /// From the first side's parameter to the second's; none where they are the same.
@@ -261,7 +260,8 @@ impl Links {
             let from = if is_self { i + 1 } else { 0 };
             for t in Side::ALL.into_iter().skip(from) {
                 if !a.is_pole(s) && !b.is_pole(t) {
-                    seams.extend(seam((a.surface, s), (b.surface, t), contact, rounding));
+                    let edges = [Edge::new(a.surface, s), Edge::new(b.surface, t)];
+                    seams.extend(seam(edges, contact, rounding));
                 }
             }
         }
@@ -296,6 +296,51 @@ impl Links {
             seams,
             places,
         }
+    }
+
+    /// Where a common point lies on a side of one surface but inside the other, that side may stand on the other surface
+    /// along a line of constant parameter: then this line is shared as well, with both sides of the surface beside it. Gives
+    /// it, and which surface it is in.
+    pub(super) fn stand(
+        &mut self,
+        surfaces: [&dyn Surface; 2],
+        uv: [[f64; 2]; 2],
+        contact: f64,
+        rounding: f64,
+    ) -> Option<(usize, Line)> {
+        let end = |k: usize, d: usize, t: f64| {
+            (t - uv[k][d]).abs() <= ON_SIDE * surfaces[k].domain()[d].width()
+        };
+        for k in 0..2 {
+            for side in Side::ALL {
+                let other = Edge::new(surfaces[1 - k], side);
+                if !end(1 - k, side.across() as usize, other.at) {
+                    continue;
+                }
+                for dir in [Dir::U, Dir::V] {
+                    let (d, at) = (dir as usize, uv[k][dir as usize]);
+                    let domain = surfaces[k].domain()[d];
+                    if end(k, d, domain.lo) || end(k, d, domain.hi) {
+                        continue;
+                    }
+                    let line = || Edge::inside(surfaces[k], dir, at);
+                    let edges = if k == 0 {
+                        [line(), Edge::new(surfaces[1], side)]
+                    } else {
+                        [Edge::new(surfaces[0], side), line()]
+                    };
+                    let Some(mut found) = seam(edges, contact, rounding) else {
+                        continue;
+                    };
+                    for below in [false, true] {
+                        found.borders[k].below = below;
+                        self.seams.push(found.clone());
+                    }
+                    return Some((k, Line { across: d, at }));
+                }
+            }
+        }
+        None
     }
 
     /// True if both rectangles lie at something shared.
@@ -356,21 +401,15 @@ impl Links {
     }
 }
 
-/// The two sides as one, if they agree within `contact` and a gap can be proven.
-fn seam(
-    a: (&dyn Surface, Side),
-    b: (&dyn Surface, Side),
-    contact: f64,
-    rounding: f64,
-) -> Option<Seam> {
-    let [along_a, along_b] = [a, b].map(|(surface, side)| Along {
-        edge: Edge::new(surface, side),
-    });
-    let map = matching(&along_a.edge, &along_b.edge, contact)?;
-    let pair = Pair::new(along_a, along_b, &map);
+/// The two lines as one, if they agree within `contact` and a gap can be proven.
+fn seam(edges: [Edge; 2], contact: f64, rounding: f64) -> Option<Seam> {
+    let borders = [Border::of(&edges[0]), Border::of(&edges[1])];
+    let [a, b] = edges.map(|edge| Along { edge });
+    let map = matching(&a.edge, &b.edge, contact)?;
+    let pair = Pair::new(a, b, &map);
     let gap = pair.greatest_gap()?;
     Some(Seam {
-        borders: [Border::of(a.0, a.1), Border::of(b.0, b.1)],
+        borders,
         cells: pair.cells,
         gap: gap + rounding,
         known: RefCell::default(),

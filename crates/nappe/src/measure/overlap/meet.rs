@@ -87,6 +87,21 @@ impl Meet<'_> {
         None
     }
 
+    /// A common point in the middle of a side of one of the surfaces, if a rectangle reaches to it: where a side is tangent
+    /// to the other surface, steps from elsewhere are slow.
+    pub(super) fn find_on_side(&self, within: [[Interval; 2]; 2]) -> Option<Root> {
+        let tries = (0..8).filter_map(|n| {
+            let [k, d, upper] = [n / 4, n / 2 % 2, n % 2];
+            let domain = self.surfaces[k].domain()[d];
+            let at = [domain.lo, domain.hi][upper];
+            let mut point = within;
+            point[k][d] = within[k][d].contains(at).then(|| Interval::point(at))?;
+            point[k][1 - d] = Interval::point(within[k][1 - d].mid());
+            Some(point)
+        });
+        tries.into_iter().find_map(|point| self.find(point))
+    }
+
     pub(super) fn classify(&self, root: &Root, links: &Links) -> Kind {
         let normals = [0, 1].map(|i| {
             normal_at(self.surfaces[i], root.uv[i], [Limit::Above; 2])

@@ -11,10 +11,11 @@ mod tree;
 use super::pinch::pinches;
 use super::size;
 use super::tear::tear;
+use crate::breaks::Breaks;
 use crate::interval::Interval;
 use crate::mesh::closing::SHARE;
 use crate::mesh::shared::Edge;
-use crate::surface::{Side, Surface, SurfaceRef};
+use crate::surface::{Dir, Side, Surface, SurfaceRef};
 use glam::DVec3;
 use links::Links;
 use meet::{Kind, Meet, Root};
@@ -29,16 +30,17 @@ pub struct OverlapOptions {
     /// of what is shared are not told from it, nor are points of one surface that lie in a part of it no larger. At most
     /// a hundredth of the smaller surface of a pair is used.
     pub contact: f64,
-    /// The most pairs of rectangles that are looked at for each pair of surfaces.
+    /// The most pairs of rectangles that are looked at for each pair of surfaces. If they have many analytic pieces, at
+    /// least twenty for each piece are looked at.
     pub budget: usize,
 }
 
 impl OverlapOptions {
-    /// The defaults with a contact distance: 10000 pairs of rectangles.
+    /// The defaults with a contact distance: 20000 pairs of rectangles.
     pub fn with_contact(contact: f64) -> Self {
         Self {
             contact,
-            budget: 10_000,
+            budget: 20_000,
         }
     }
 }
@@ -55,9 +57,13 @@ pub enum Meeting {
     },
     /// They have an area in common, within rounding: found at a point and beside it.
     Overlaps,
-    /// They have a point in common, within rounding, where tangent planes agree or one of them ends. Whether they cross
-    /// elsewhere is not decided.
-    Touches,
+    /// They have a point in common, within rounding, where tangent planes agree or one of them ends.
+    Touches {
+        /// True if it is proven that they do not pass through each other anywhere, but for rounding and what is within
+        /// the contact distance of something shared: every two parts are apart, or a plane has one part on either side.
+        /// Else that they cross elsewhere is not excluded.
+        only: bool,
+    },
     /// Neither a common point was found nor could one be excluded.
     Undecided {
         /// The distance between the points at the place: they come at least as near as this. 0 with equal parameters
@@ -98,6 +104,8 @@ const ROUNDING: f64 = 1e-12;
 /// A common point is looked for after every so many halvings: it takes as long as an enclosure, and is found as well a
 /// little later.
 const TRIED_AFTER: u32 = 4;
+/// The least budget for each analytic piece: rectangles are pieces at first, and each has a few neighbours.
+const FOR_PIECE: usize = 20;
 /// How much more is looked at, relative to the budget, after surfaces were found to touch: they may cross elsewhere.
 const AFTER_TOUCH: usize = 10;
 
@@ -108,8 +116,8 @@ const AFTER_TOUCH: usize = 10;
 /// proofs fail (surfaces that touch, or fold back sharply along a shared side) the place is given as undecided, never
 /// passed over. A surface that cannot be enclosed stays undecided.
 ///
-/// Cost: some enclosures of order 1 for each surface that is clear of the others; at most `options.budget` pairs of
-/// rectangles for each pair of surfaces.
+/// Cost: some enclosures of order 1 for each surface that is clear of the others (up to a thousand for each analytic piece
+/// whose enclosures are loose); at most `options.budget` pairs of rectangles for each pair of surfaces.
 pub fn overlaps(surfaces: &[SurfaceRef], options: &OverlapOptions) -> Overlaps {
     let mut trees: Vec<Tree> = surfaces.iter().map(|s| tree(s.as_ref())).collect();
     let mut out = Overlaps::default();
@@ -173,7 +181,7 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
     let contact = options
         .contact
         .min(SHARE * trees[i].size.min(trees[j].size));
-    let links = Links::between(&trees[i], &trees[j], is_self, contact, rounding);
+    let mut links = Links::between(&trees[i], &trees[j], is_self, contact, rounding);
     let surfaces = pair.map(|k| trees[k].surface);
     let meet = Meet { surfaces, rounding };
     let torn = surfaces.iter().any(|s| tear(*s).is_some());
@@ -193,7 +201,9 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
         });
     };
     push(&mut heap, trees, pair.map(|k| trees[k].root), 0);
-    let (mut seen, mut budget) = (0, options.budget);
+    let pieces = |s: &dyn Surface| s.breaks(Dir::U).pieces() * s.breaks(Dir::V).pieces();
+    let pieces: usize = surfaces.iter().map(|s| pieces(*s)).sum();
+    let (mut seen, mut budget) = (0, options.budget.max(FOR_PIECE * pieces));
     let mut left: Option<[Node; 2]> = None;
     let mut touch: Option<Root> = None;
     let result = |root: &Root, meeting| Overlap {
@@ -218,13 +228,23 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
             continue;
         }
         let is_same = is_self && top.nodes[0] == top.nodes[1];
+        let only_touch = !is_self && !torn && apart::touch(both, &x, &y, 2.0 * rounding);
+        let look = if only_touch {
+            touch.is_none()
+        } else {
+            top.halvings % TRIED_AFTER == TRIED_AFTER - 1
+        };
         // Over a tear a point would be found beside itself; a torn surface is at fault anyway.
-        if !(is_same || torn && is_self) && top.halvings % TRIED_AFTER == TRIED_AFTER - 1 {
+        if look && !(is_same || torn && is_self) {
             let explained = |r: &Root| {
                 (is_self && part(surfaces[0], r.uv) <= contact)
                     || links.explain(surfaces, r.uv, contact)
             };
-            if let Some(root) = meet.find([x.uv, y.uv]).filter(|r| !explained(r)) {
+            let root = meet.find([x.uv, y.uv]).or_else(|| {
+                let sides = only_touch.then(|| meet.find_on_side([x.uv, y.uv]));
+                sides.flatten()
+            });
+            if let Some(root) = root.filter(|r| !explained(r)) {
                 match meet.classify(&root, &links) {
                     Kind::Crosses { proven, angle } => {
                         return Some(result(&root, Meeting::Crosses { proven, angle }));
@@ -233,11 +253,18 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
                     Kind::Touches => {
                         if touch.is_none() {
                             touch = Some(root);
-                            budget = budget.min(seen + options.budget / AFTER_TOUCH);
+                            match links.stand(surfaces, root.uv, contact, rounding) {
+                                Some((k, line)) => trees[pair[k]].cuts.push(line),
+                                None => budget = budget.min(seen + options.budget / AFTER_TOUCH),
+                            }
                         }
                     }
                 }
             }
+        }
+        // Without a common point it is not known that they touch: smaller parts may be apart.
+        if only_touch && touch.is_some() {
+            continue;
         }
         if x.size().max(y.size()) <= SMALLEST * contact {
             left = left.or(Some([x, y]));
@@ -266,7 +293,8 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
         }
     }
     if let Some(root) = touch {
-        return Some(result(&root, Meeting::Touches));
+        let only = left.is_none();
+        return Some(result(&root, Meeting::Touches { only }));
     }
     let [x, y] = left?;
     let uv = [x, y].map(|n| n.uv.map(Interval::mid));

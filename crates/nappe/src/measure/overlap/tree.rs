@@ -50,6 +50,17 @@ impl Node {
         self.bounds.diagonal()
     }
 
+    /// The hulls of the enclosures of two nodes.
+    fn with(&self, o: &Node) -> Node {
+        let both = |x: [Box3; 2], y: [Box3; 2]| [x[0].hull(y[0]), x[1].hull(y[1])];
+        Node {
+            bounds: self.bounds.hull(o.bounds),
+            tangents: both(self.tangents, o.tangents),
+            along: both(self.along, o.along),
+            ..*self
+        }
+    }
+
     /// The range of `f·r`: by the mean value theorem from the middle, and by the box.
     pub(super) fn range(&self, f: DVec3) -> Interval {
         let f = Box3::point(f);
@@ -81,6 +92,8 @@ pub(super) struct Tree<'a> {
     pub(super) root: usize,
     /// The sides and the lines inside that are one point.
     pub(super) poles: Vec<Line>,
+    /// Lines at which rectangles are halved first: those along which another surface stands on this one.
+    pub(super) cuts: Vec<Line>,
     /// Other rectangles that were asked for, by their ends.
     grown: RefCell<HashMap<[u64; 4], Node>>,
 }
@@ -88,6 +101,12 @@ pub(super) struct Tree<'a> {
 /// A rectangle is grown by at most this many times its own width. Larger, and its tangents would vary too much for a
 /// proof; smaller, and more and smaller rectangles would be looked at.
 const GROWTH: f64 = 4.0;
+
+/// A box that is larger than this many times the surface in it is loose: its halves' boxes are used. Smaller, and pieces
+/// whose boxes are as good as boxes get would be halved; larger, and more pairs of rectangles would be looked at.
+const LOOSE: f64 = 1.5;
+/// Rectangles are not halved for their boxes alone if they are narrower than this part of the domain both ways.
+const FINEST: f64 = 1.0 / 32.0;
 
 /// Parts of a line around which a surface is narrow, for a part across of the width of its distance: with fewer the
 /// opposite parts around a point would not be told apart; with more there would be needlessly many.
@@ -101,6 +120,7 @@ impl<'a> Tree<'a> {
             nodes: Vec::new(),
             root: 0,
             poles,
+            cuts: Vec::new(),
             grown: RefCell::default(),
         };
         let pieces = [Dir::U, Dir::V].map(|d| surface.breaks(d).pieces());
@@ -134,9 +154,7 @@ impl<'a> Tree<'a> {
         };
         let uv = [range(0, Dir::U), range(1, Dir::V)];
         if count == [1, 1] {
-            let node = self.node(uv);
-            self.nodes.push(node);
-            return self.nodes.len() - 1;
+            return self.tight(uv);
         }
         let d = usize::from(count[1] > count[0]);
         let middle = (pieces[d][0] + pieces[d][1]) / 2;
@@ -145,19 +163,50 @@ impl<'a> Tree<'a> {
             half[d][1 - k] = middle;
             self.over(half)
         });
-        let [a, b] = halves.map(|k| self.nodes[k]);
-        let both = |x: [Box3; 2], y: [Box3; 2]| [x[0].hull(y[0]), x[1].hull(y[1])];
         let m = uv.map(Interval::mid);
+        let [a, b] = halves.map(|k| self.nodes[k]);
         self.nodes.push(Node {
             uv,
-            bounds: a.bounds.hull(b.bounds),
             at: self.surface.bounds(m.map(Interval::point)),
-            tangents: both(a.tangents, b.tangents),
-            along: both(a.along, b.along),
             normal: normal_at(self.surface, m, [Limit::Above; 2]).vector(),
             halves: Some(halves),
+            ..a.with(&b)
         });
         self.nodes.len() - 1
+    }
+
+    /// Adds a node of one analytic piece. Where its enclosures are much larger than the surface those of its halves are
+    /// hulled: a loose box near the root costs a pair of rectangles with every other one.
+    fn tight(&mut self, uv: [Interval; 2]) -> usize {
+        let node = self.node(uv);
+        self.nodes.push(node);
+        let k = self.nodes.len() - 1;
+        if self.is_loose(&node)
+            && let Some(halves) = self.halve(k)
+        {
+            let [a, b] = halves.map(|h| self.nodes[h]);
+            let hull = a.with(&b);
+            let node = &mut self.nodes[k];
+            node.bounds = node.bounds.meet(hull.bounds);
+            node.tangents = [0, 1].map(|d| node.tangents[d].meet(hull.tangents[d]));
+            node.along = hull.along;
+        }
+        k
+    }
+
+    /// True if the box around a node that is not yet small is much larger than that of some of its points.
+    fn is_loose(&self, node: &Node) -> bool {
+        let domain = self.surface.domain();
+        if (0..2).all(|d| node.uv[d].width() <= FINEST * domain[d].width()) {
+            return false;
+        }
+        let at = |d: usize, k: usize| {
+            let t = node.uv[d];
+            [t.lo, t.mid(), t.hi][k]
+        };
+        let points = (0..9).map(|k| self.surface.point([at(0, k % 3), at(1, k / 3)]));
+        let extent = Box3::around(points).map_or(f64::INFINITY, Box3::diagonal);
+        node.size() > LOOSE * extent
     }
 
     /// A node from its own enclosures.
@@ -193,12 +242,17 @@ impl<'a> Tree<'a> {
         }
     }
 
+    /// True if a rectangle around `x` is not much larger.
+    pub(super) fn grows(&self, x: &Node, uv: [Interval; 2]) -> bool {
+        (0..2).all(|d| uv[d].width() <= (1.0 + GROWTH) * x.uv[d].width())
+    }
+
     /// The node of a rectangle around `x`; `None` if that is much larger.
     pub(super) fn grow(&self, x: &Node, uv: [Interval; 2]) -> Option<Node> {
         if uv == x.uv {
             return Some(*x);
         }
-        if (0..2).any(|d| uv[d].width() > (1.0 + GROWTH) * x.uv[d].width()) {
+        if !self.grows(x, uv) {
             return None;
         }
         let key = [uv[0].lo, uv[0].hi, uv[1].lo, uv[1].hi].map(f64::to_bits);
@@ -223,8 +277,11 @@ impl<'a> Tree<'a> {
             let along = AROUND * width(1 - d) / domain[1 - d].width();
             return if along > across { 1 - d } else { d };
         }
-        let long = |d: usize| node.tangents[d].norm().hi * width(d);
-        usize::from(long(1) > long(0))
+        let mut long = [0, 1].map(|d| node.tangents[d].norm().hi * width(d));
+        if !(long[0].is_finite() && long[1].is_finite()) {
+            long = [0, 1].map(|d| width(d) / domain[d].width());
+        }
+        usize::from(long[1] > long[0])
     }
 
     /// The halves of a node across its longer extent, or first at a line that is one point; `None` if it is too narrow to halve.
@@ -234,7 +291,7 @@ impl<'a> Tree<'a> {
             return node.halves;
         }
         let inside = |l: &&Line| node.uv[l.across].lo < l.at && l.at < node.uv[l.across].hi;
-        let (d, m) = match self.poles.iter().find(inside) {
+        let (d, m) = match self.poles.iter().chain(&self.cuts).find(inside) {
             Some(line) => (line.across, line.at),
             None => {
                 let d = self.longer(&node);
@@ -248,9 +305,7 @@ impl<'a> Tree<'a> {
         let halves = [(t.lo, m), (m, t.hi)].map(|(lo, hi)| {
             let mut uv = node.uv;
             uv[d] = Interval::new(lo, hi);
-            let half = self.node(uv);
-            self.nodes.push(half);
-            self.nodes.len() - 1
+            self.tight(uv)
         });
         self.nodes[k].halves = Some(halves);
         Some(halves)
