@@ -62,12 +62,21 @@ fn around(points: impl Iterator<Item = DVec3>) -> Option<(DVec3, DVec3)> {
         .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
+/// How finely surfaces are meshed.
+#[derive(Clone, Copy)]
+pub(crate) struct Detail {
+    pub(crate) tolerance: f64,
+    /// The fewest cells along each direction, see [`MeshOptions::least_cells`].
+    pub(crate) least_cells: usize,
+}
+
 /// The mesh of surfaces.
-fn meshed(geometry: &[SurfaceRef], tolerance: f64, screen: &Screen) -> Result<Mesh, MeshError> {
+fn meshed(geometry: &[SurfaceRef], detail: Detail, screen: &Screen) -> Result<Mesh, MeshError> {
     let progress = screen.progress("Meshing");
     let bar = progress.clone();
     let options = MeshOptions {
-        tol: Some(tolerance),
+        tol: Some(detail.tolerance),
+        least_cells: detail.least_cells,
         progress: Some(Arc::new(move |share| bar.tell(share))),
         ..MeshOptions::default()
     };
@@ -106,19 +115,19 @@ pub(crate) fn unmeshed(model: &Model) -> Scene {
 /// command line, for messages about it.
 pub(crate) fn scene(
     model: &Model,
-    tolerance: f64,
+    detail: Detail,
     asked: Option<f64>,
     screen: &Screen,
 ) -> Result<Scene, Failure> {
     let named: Vec<&NamedSurface> = model.output().collect();
     let geometry: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
-    let mesh = meshed(&geometry, tolerance, screen)
-        .map_err(|e| fault::of_mesh(model, &named, asked, &e))?;
+    let mesh =
+        meshed(&geometry, detail, screen).map_err(|e| fault::of_mesh(model, &named, asked, &e))?;
     let names = named.iter().map(|s| s.name.clone());
     Ok(Scene {
         mesh,
         parts: names.enumerate().map(|(i, n)| Part::new(n, i)).collect(),
-        curves: polylines(model, tolerance, asked)?,
+        curves: polylines(model, detail.tolerance, asked)?,
         ..unmeshed(model)
     })
 }
@@ -127,9 +136,10 @@ pub(crate) fn scene(
 /// point or line are left out, as long as others remain; and the names of these. They have an empty patch.
 pub(crate) fn visible(
     model: &Model,
-    tolerance: f64,
+    detail: Detail,
     screen: &Screen,
 ) -> Result<(Scene, Vec<String>), Failure> {
+    let tolerance = detail.tolerance;
     let named: Vec<&NamedSurface> = model.output().collect();
     let is_large = |i: &usize| {
         let ends = around(samples(named[*i]));
@@ -142,7 +152,7 @@ pub(crate) fn visible(
     }
     let mut mesh = loop {
         let geometry: Vec<SurfaceRef> = shown.iter().map(|&i| named[i].surface.clone()).collect();
-        match meshed(&geometry, tolerance, screen) {
+        match meshed(&geometry, detail, screen) {
             Ok(mesh) => break mesh,
             // Thin ones, of which there are few.
             Err(MeshError::Collapsed { surface, .. }) if shown.len() > 1 => {

@@ -3,8 +3,9 @@
 
 use crate::text::{bound, number};
 use nappe::mesh::{Joint, PartialJoint, joints, partial_joints};
-use nappe::surface::{Dir, SurfaceRef};
+use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_model::{Model, NamedSurface};
+use serde_json::{Value, json};
 
 /// Sides that are farther apart than this share of the tolerance are not joined by the mesh.
 pub(crate) const JOINED: f64 = 0.05;
@@ -12,20 +13,49 @@ pub(crate) const JOINED: f64 = 0.05;
 /// Where the mesh is not watertight although sides meet there, in words.
 pub(crate) fn notes(model: &Model, tolerance: f64) -> Vec<String> {
     let mut notes = slits(model, tolerance);
-    notes.extend(partial(model, tolerance));
+    notes.extend(turned(model, tolerance));
+    notes.extend(Partial::of(model, tolerance).notes());
     notes
 }
 
 /// Parameters nearer to an end of a side than this share of it are the end.
 const AT_END: f64 = 1e-6;
 
-/// The sides that run along each other but have different ends, in words.
-pub(crate) fn partial(model: &Model, tolerance: f64) -> Vec<String> {
-    let named: Vec<&NamedSurface> = model.output().collect();
-    let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
-    let name = |(i, side): (usize, nappe::Side)| format!("{}.{side}", named[i].name);
-    let note = |j: &PartialJoint| {
-        let (along, part) = (name(j.along), name(j.part));
+/// The sides that run along each other but have different ends.
+pub(crate) struct Partial<'a> {
+    named: Vec<&'a NamedSurface>,
+    found: Vec<PartialJoint>,
+}
+
+impl<'a> Partial<'a> {
+    pub(crate) fn of(model: &'a Model, tolerance: f64) -> Self {
+        let named: Vec<&NamedSurface> = model.output().collect();
+        let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
+        let found = partial_joints(&surfaces, tolerance);
+        Self { named, found }
+    }
+
+    fn name(&self, (i, side): (usize, Side)) -> String {
+        format!("{}.{side}", self.named[i].name)
+    }
+
+    /// The parameters where `along` is to be split, so that whole sides meet.
+    fn places(&self, j: &PartialJoint) -> Vec<f64> {
+        let (surface, side) = j.along;
+        let range = self.named[surface].surface.domain()[usize::from(side.along() == Dir::V)];
+        let inside = |t: &f64| (t - range.lo).min(range.hi - t) > AT_END * range.width();
+        let mut places: Vec<f64> = j.partners.into_iter().filter(inside).collect();
+        places.sort_by(f64::total_cmp);
+        places
+    }
+
+    /// In words.
+    pub(crate) fn notes(&self) -> impl Iterator<Item = String> {
+        self.found.iter().map(|j| self.note(j))
+    }
+
+    fn note(&self, j: &PartialJoint) -> String {
+        let (along, part) = (self.name(j.along), self.name(j.part));
         let [a, b] = j
             .ends
             .map(|p| format!("({})", p.to_array().map(|x| number(x, 5)).join(", ")));
@@ -35,29 +65,62 @@ pub(crate) fn partial(model: &Model, tolerance: f64) -> Vec<String> {
                  and the mesh is not watertight there\n  help: let both start at one point; {part} starts at {a}"
             );
         }
-        let (surface, side) = j.along;
-        let dir = side.along();
-        let range = surfaces[surface].domain()[usize::from(dir == Dir::V)];
-        let inside = |t: &f64| (t - range.lo).min(range.hi - t) > AT_END * range.width();
-        let mut places: Vec<f64> = j.partners.into_iter().filter(inside).collect();
-        places.sort_by(f64::total_cmp);
-        let letter = if dir == Dir::U { 'u' } else { 'v' };
-        let places: Vec<String> = places
+        let letter = if j.along.1.along() == Dir::U {
+            'u'
+        } else {
+            'v'
+        };
+        let places: Vec<String> = self
+            .places(j)
             .iter()
             .map(|t| format!("{letter} = {}", number(*t, 6)))
             .collect();
         let help = if places.is_empty() {
-            format!("split {}", named[j.part.0].name)
+            format!("split {}", self.named[j.part.0].name)
         } else {
-            format!("split {} at {}", named[surface].name, places.join(" and "))
+            let whole = &self.named[j.along.0].name;
+            format!("split {whole} at {}", places.join(" and "))
         };
         format!(
             "note: {part} lies along part of {along}, from {a} to {b}: they are not joined, and the mesh is not watertight \
              there\n  help: {help}, so that whole sides meet"
         )
+    }
+
+    pub(crate) fn json(&self) -> Value {
+        let one = |j: &PartialJoint| {
+            json!({
+                "along": self.name(j.along),
+                "part": self.name(j.part),
+                "from": j.ends[0].to_array(),
+                "to": j.ends[1].to_array(),
+                "all_round": j.closed,
+                "split": { "dir": j.along.1.along().to_string(), "at": self.places(j) },
+                "sampled_gap": j.gap,
+            })
+        };
+        self.found.iter().map(one).collect()
+    }
+}
+
+/// The surfaces whose triangles run against those of their neighbours, in words.
+fn turned(model: &Model, tolerance: f64) -> Option<String> {
+    let named: Vec<&NamedSurface> = model.output().collect();
+    let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
+    let name = |(i, side): (usize, Side)| format!("{}.{side}", named[i].name);
+    let joined = joints(&surfaces, JOINED * tolerance).joints;
+    let turned: Vec<&Joint> = joined.iter().filter(|j| j.is_turned()).collect();
+    let first = turned.first()?;
+    let more = match turned.len() {
+        1 => String::new(),
+        n => format!(" and along {} more shared sides", n - 1),
     };
-    let found = partial_joints(&surfaces, tolerance);
-    found.iter().map(note).collect()
+    Some(format!(
+        "note: the normals are on different sides along {} – {}{more}\n  help: .stl and .3mf are written with the \
+         triangles of neighbours in one direction; the other formats keep that of each surface, u to v",
+        name(first.first),
+        name(first.second)
+    ))
 }
 
 /// The pairs of sides that leave a slit in the mesh, in words.
@@ -67,7 +130,7 @@ fn slits(model: &Model, tolerance: f64) -> Vec<String> {
     let unit = model.units.symbol();
     let open = joints(&surfaces, JOINED * tolerance).open;
     let is_open = |(i, side): (usize, _)| open[i].contains(&side);
-    let name = |(i, side): (usize, nappe::Side)| format!("{}.{side}", named[i].name);
+    let name = |(i, side): (usize, Side)| format!("{}.{side}", named[i].name);
     let slit = |j: &Joint| {
         format!(
             "note: {} and {} nearly meet, but with a gap of {} {unit} they are not joined: the mesh has a slit there\n  \

@@ -7,7 +7,7 @@
 use crate::facets::{Store, corners, facet_normal};
 use crate::report::{Tally, Ticker};
 use crate::scene::Scene;
-use crate::solid::{Shape, shape};
+use crate::solid::shape;
 use glam::{DVec3, Vec3};
 use std::io::{self, Write};
 
@@ -21,10 +21,7 @@ pub(crate) fn write(
     let store = Store::Single {
         origin: DVec3::ZERO,
     };
-    let turn = match shape(scene) {
-        Shape::Closed { turn } => turn,
-        Shape::Open => vec![false; scene.parts.len()],
-    };
+    let shape = shape(scene);
     let mut tally = Tally::default();
     for (_, patch) in scene.patches() {
         for &t in &patch.triangles {
@@ -46,7 +43,7 @@ pub(crate) fn write(
                 continue;
             }
             let mut normal = facet_normal(c, t.map(|i| patch.vertices[i as usize].normal));
-            if turn[index] {
+            if shape.turn[index] {
                 c.swap(1, 2);
                 normal = -normal;
             }
@@ -58,19 +55,8 @@ pub(crate) fn write(
             out.write_all(&[0, 0])?;
         }
     }
-    note_turned(&mut tally, &turn);
+    tally.notes.extend(shape.notes());
     Ok(tally)
-}
-
-/// Says how many parts were reversed for the normals to point out of the solid.
-pub(crate) fn note_turned(tally: &mut Tally, turn: &[bool]) {
-    let turned = turn.iter().filter(|&&t| t).count();
-    if turned > 0 {
-        tally.notes.push(format!(
-            "{turned} of {} surfaces were reversed so that all normals point out of the solid.",
-            turn.len()
-        ));
-    }
 }
 
 fn put(out: &mut dyn Write, v: Vec3) -> io::Result<()> {

@@ -9,8 +9,7 @@ use crate::Output;
 use crate::facets::{Store, corners};
 use crate::report::{Tally, Ticker};
 use crate::scene::Scene;
-use crate::solid::{Shape, shape};
-use crate::stl::note_turned;
+use crate::solid::shape;
 use crate::text::{byte, certainty, number, xml};
 use nappe::Units;
 use std::io::{self, Write};
@@ -60,14 +59,18 @@ fn unit(units: Units) -> &'static str {
 
 fn model(scene: &Scene, out: &mut dyn Write, mut ticker: Ticker<'_>) -> io::Result<Tally> {
     let mut tally = Tally::default();
-    let (kind, turn) = match shape(scene) {
-        Shape::Closed { turn } => ("model", turn),
-        Shape::Open => {
-            tally.notes.push(
-                "The surfaces do not enclose a solid, so the .3mf holds them as a surface: a slicer will not fill it.".into(),
-            );
-            ("surface", vec![false; scene.parts.len()])
-        }
+    let shape = shape(scene);
+    let kind = if shape.is_solid() {
+        "model"
+    } else {
+        let which = match shape.open.len() {
+            n if n == scene.parts.len() => "The surfaces".to_owned(),
+            n => format!("{n} of {} surfaces", scene.parts.len()),
+        };
+        tally.notes.push(format!(
+            "{which} do not enclose a solid, so the .3mf holds all as a surface: a slicer will not fill it."
+        ));
+        "surface"
     };
     let title = scene.title.as_deref().unwrap_or("nappe");
     writeln!(out, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
@@ -120,7 +123,7 @@ fn model(scene: &Scene, out: &mut dyn Write, mut ticker: Ticker<'_>) -> io::Resu
                 continue;
             }
             let [a, mut b, mut c] = t.map(|i| patch.vertices[i as usize].point);
-            if turn[index] {
+            if shape.turn[index] {
                 std::mem::swap(&mut b, &mut c);
             }
             writeln!(
@@ -131,7 +134,7 @@ fn model(scene: &Scene, out: &mut dyn Write, mut ticker: Ticker<'_>) -> io::Resu
     }
     writeln!(out, "</triangles>\n</mesh>\n</object>\n</resources>")?;
     writeln!(out, "<build><item objectid=\"2\"/></build>\n</model>")?;
-    note_turned(&mut tally, &turn);
+    tally.notes.extend(shape.notes());
     if !scene.curves.is_empty() {
         tally.notes.push(format!(
             "The {} curves were left out: a .3mf file has no place for them.",

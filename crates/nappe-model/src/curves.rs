@@ -8,7 +8,7 @@ use nappe::curve::{
     Ellipse, EllipseOptions, ExpressionCurve, ExpressionCurveError, Hermite, Isocurve, JoinOptions,
     Joined, Line, Spacing, Transformed, Trimmed,
 };
-use nappe::exact::{NurbsCurve, NurbsError};
+use nappe::exact::{NurbsCurve, NurbsError, bad_weights};
 use nappe::expr::Bound;
 use nappe::surface::Dir;
 use nappe::{DAffine3, DVec3, Frame, maps};
@@ -35,6 +35,7 @@ impl Builder<'_> {
             "bezier" => {
                 let points = need(f.vectors("points"))?;
                 let weights = f.numbers("weights");
+                self.further_weights(o, weights.as_deref());
                 self.curve_result(
                     o,
                     NurbsCurve::bezier(&points, weights.as_deref()).map_err(CurveError::from),
@@ -43,6 +44,7 @@ impl Builder<'_> {
             "nurbs" => {
                 let points = need(f.vectors("points"))?;
                 let weights = f.numbers("weights");
+                self.further_weights(o, weights.as_deref());
                 let degree = number("degree")? as usize;
                 let knots = f
                     .numbers("knots")
@@ -229,6 +231,13 @@ impl Builder<'_> {
         match result {
             Ok(c) => Ok(Arc::new(c)),
             Err(e) => Err(self.curve_error(o, &e)),
+        }
+    }
+
+    /// The bad weights but the first, which is told when the curve is made.
+    fn further_weights(&mut self, o: &Object, weights: Option<&[f64]>) {
+        for e in bad_weights(weights.unwrap_or_default()).skip(1) {
+            self.curve_error(o, &e.into());
         }
     }
 

@@ -659,7 +659,9 @@ impl Decoder<'_> {
                 self.diags.push(
                     Diagnostic::new("angle", subject.say(format!("the angle {x} has no unit")))
                         .at(node.span.clone(), "deg, rad or turn?")
-                        .help(format!("write \"{x}deg\", \"{x}rad\" or \"{x}turn\"")),
+                        .help(format!(
+                            "write \"{x}deg\" if it is in degrees; rad and turn are read too"
+                        )),
                 );
                 Err(Broken)
             }

@@ -3,9 +3,9 @@
 use crate::build::{Builder, Built, Patch};
 use crate::curves::need;
 use crate::data::{Datum, Item, Object};
-use nappe::Box3;
 use nappe::mesh::{Joint, joints};
 use nappe::surface::{Side, SurfaceRef};
+use nappe::{Box3, significant};
 use std::sync::Arc;
 
 /// The greatest gap allowed along a shared side when nothing is said, relative to the size of the members.
@@ -130,8 +130,13 @@ impl Builder<'_> {
 
     fn gap(&mut self, o: &Object, members: &[Member], j: &Joint, tol: f64) -> crate::build::Stop {
         let message = format!(
-            "{}.{} and {}.{} gap by {:.6e} (allowed: {tol:.1e})",
-            members[j.first.0].0, j.first.1, members[j.second.0].0, j.second.1, j.gap
+            "{}.{} and {}.{} gap by {} (allowed: {})",
+            members[j.first.0].0,
+            j.first.1,
+            members[j.second.0].0,
+            j.second.1,
+            significant(j.gap, 6),
+            significant(tol, 2)
         );
         let help = "let both surfaces use the same curve, or raise `tolerance`";
         self.refuse(o, ("surfaces", &[members[j.second.0].2]), message, help)

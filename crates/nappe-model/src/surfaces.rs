@@ -5,7 +5,7 @@ use crate::curves::{clamped_uniform, knot_place, need, nurbs_place};
 use crate::data::Object;
 use nappe::DVec3;
 use nappe::basis::KnotError;
-use nappe::exact::{NurbsError, NurbsSurface};
+use nappe::exact::{NurbsError, NurbsSurface, bad_weights};
 use nappe::surface::{
     BiquadraticError, Construction, Dir, HermiteData, Revolution, RevolutionError,
     RevolutionOptions, Surface, SurfaceRef, TransformError, Transformed, bilinear, biquadratic,
@@ -168,7 +168,12 @@ impl Builder<'_> {
                 "write one weight for each point, in the same rows",
             ));
         }
-        Ok(Some(weights.into_iter().flatten().collect()))
+        let weights: Vec<f64> = weights.into_iter().flatten().collect();
+        // The first bad weight is told when the surface is made.
+        for e in bad_weights(&weights).skip(1) {
+            self.net_error(o, &e, columns);
+        }
+        Ok(Some(weights))
     }
 
     /// An error of a net: the kernel counts along rows.

@@ -78,6 +78,7 @@ mod breaks;
 mod frame;
 mod interval;
 mod linear;
+mod significant;
 mod simd;
 mod size;
 mod units;
@@ -90,6 +91,7 @@ pub use frame::{Frame, FrameError, cos_sin};
 pub use glam::{DAffine3, DMat3, DVec3, DVec4};
 pub use interval::Interval;
 pub use mesh::{Certainty, Mesh, MeshOptions};
+pub use significant::significant;
 pub use size::{LARGEST_LENGTH, SMALLEST_EXTENT};
 pub use surface::{
     Contour, Coons, CoonsOptions, DiagonalKey, DiagonalKeyOptions, Dir, Fillet, FilletOptions,

@@ -6,7 +6,7 @@ use nappe::curve::{CurveRef, ExpressionCurve};
 use nappe::exact::NurbsSurface;
 use nappe::expr::Expr;
 use nappe::measure::{
-    Extreme, IntegralOptions, Measured, SearchOptions, VolumeError, area, curvature,
+    Extreme, IntegralOptions, Measured, SearchOptions, Shell, VolumeError, area, curvature,
     curvature_extremes, extent, shells, tear, volume,
 };
 use nappe::mesh::Certainty;
@@ -144,8 +144,8 @@ fn a_box_of_six_planes_has_its_volume_and_a_wrong_one_is_named() {
         let mut order: Vec<usize> = (0..6).collect();
         order.rotate_left(first);
         let faces: Vec<SurfaceRef> = order.iter().map(|&k| turned[k].clone()).collect();
-        let found = shells(&faces, None, &IntegralOptions::default()).unwrap();
-        let [shell] = found.as_slice() else {
+        let found = shells(&faces, None, &IntegralOptions::default());
+        let [Ok(shell)] = found.as_slice() else {
             panic!("{found:?}")
         };
         let m = shell.volume;
@@ -173,7 +173,11 @@ fn each_shell_has_its_own_volume() {
     let outer = ellipsoid([1.0; 3]);
     // A hollow: the inner sphere has its normals towards the middle.
     let inner: SurfaceRef = Arc::new(Swapped::new(ellipsoid([0.5; 3])));
-    let found = shells(&[outer.clone(), inner.clone()], None, &MILLIONTH).unwrap();
+    let shells_of = |s: &[SurfaceRef]| shells(s, None, &MILLIONTH);
+    let found: Result<Vec<Shell>, _> = shells_of(&[outer.clone(), inner.clone()])
+        .into_iter()
+        .collect();
+    let found = found.unwrap();
     assert_eq!(found.len(), 2);
     near(found[0].volume, ball);
     near(found[1].volume, ball / 8.0);
@@ -185,6 +189,14 @@ fn each_shell_has_its_own_volume() {
         volume(&[outer, inner], None, &MILLIONTH).unwrap(),
         ball * 7.0 / 8.0,
     );
+    // What is open beside a shell takes nothing from it.
+    let open = revolved("1", "t", Construction::Angle);
+    let [Ok(ref shell), Err(VolumeError::Open { surface: 1, .. })] =
+        shells_of(&[ellipsoid([1.0; 3]), open])[..]
+    else {
+        panic!("one shell and one open surface")
+    };
+    near(shell.volume, ball);
 }
 
 #[test]

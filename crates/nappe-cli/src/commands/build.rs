@@ -51,7 +51,11 @@ impl Args {
         let mut scene = if files.iter().all(|f| f.1 == Format::Json) {
             scene::unmeshed(&model)
         } else {
-            scene::scene(&model, tolerance, self.tolerance, screen)?
+            let detail = scene::Detail {
+                tolerance,
+                least_cells: 1,
+            };
+            scene::scene(&model, detail, self.tolerance, screen)?
         };
         if files.iter().any(|f| f.1 == Format::Json) {
             scene.exact = scene::exact(&model, tolerance)?;

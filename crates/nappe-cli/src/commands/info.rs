@@ -85,7 +85,10 @@ struct Facts {
     surfaces: Vec<SurfaceFacts>,
     /// `None` if a surface is torn.
     area: Option<Measured>,
-    shells: Result<Vec<Shell>, String>,
+    /// The closed shells.
+    shells: Vec<Shell>,
+    /// Why the other surfaces enclose nothing.
+    not_closed: Vec<String>,
     /// True if the boxes of all shells are proven to be apart.
     apart: bool,
     extent: Option<(Box3, Certainty)>,
@@ -119,13 +122,20 @@ impl Facts {
             })
             .collect();
         let unit = model.units.symbol();
-        let shells = shells(&surfaces, Some(joined), &INTEGRALS);
+        let (mut closed, mut not_closed) = (Vec::new(), Vec::new());
+        for body in shells(&surfaces, Some(joined), &INTEGRALS) {
+            match body {
+                Ok(shell) => closed.push(shell),
+                Err(e) => not_closed.push(open(&e, &named, unit)),
+            }
+        }
         progress.finish();
         let torn = facts.iter().any(|f| f.torn.is_some());
         Facts {
             area: (!torn).then(|| facts.iter().map(|f| f.area).sum()),
-            apart: shells.as_ref().is_ok_and(|s| are_apart(s, &facts)),
-            shells: shells.map_err(|e| open(&e, &named, unit)),
+            apart: are_apart(&closed, &facts),
+            shells: closed,
+            not_closed,
             extent: whole(&facts),
             surfaces: facts,
         }
@@ -133,8 +143,8 @@ impl Facts {
 
     /// What all shells enclose, if that is known.
     fn volume(&self) -> Option<Measured> {
-        let shells = self.shells.as_ref().ok().filter(|_| self.apart)?;
-        Some(shells.iter().map(|s| s.volume).sum())
+        let all = self.not_closed.is_empty() && !self.shells.is_empty();
+        (all && self.apart).then(|| self.shells.iter().map(|s| s.volume).sum())
     }
 
     fn text(&self, model: &Model) -> String {
@@ -189,10 +199,14 @@ impl Facts {
     /// The rows on volumes.
     fn volumes(&self, head: &mut Table, model: &Model) {
         let unit = model.units.symbol();
-        let shells = match &self.shells {
-            Ok(shells) => shells,
-            Err(why) => return head.row(["volume", &format!("none: {why}")]),
+        let shells = &self.shells;
+        let more = match self.not_closed.len() {
+            0 | 1 => String::new(),
+            n => format!(", and {} more", n - 1),
         };
+        if let (Some(why), true) = (self.not_closed.first(), shells.is_empty()) {
+            return head.row(["volume", &format!("none: {why}{more}")]);
+        }
         if let Some(volume) = self.volume() {
             let facing = match shells.as_slice() {
                 [one] => format!("; {}", facing(one)),
@@ -206,13 +220,18 @@ impl Facts {
                 ),
             ]);
         }
-        head.row([
-            "volume",
-            &format!(
+        let text = match self.not_closed.first() {
+            Some(why) => {
+                let n = shells.len();
+                let plural = if n == 1 { "" } else { "s" };
+                format!("of {n} closed shell{plural}; the rest encloses nothing: {why}{more}")
+            }
+            None => format!(
                 "of {} shells, not added: they may cross or lie inside each other (see `nappe check`)",
                 shells.len()
             ),
-        ]);
+        };
+        head.row(["volume", &text]);
         let named: Vec<&NamedSurface> = model.output().collect();
         for s in shells {
             let volume = format!(
@@ -303,10 +322,8 @@ impl Facts {
             "box": self.extent.map(|(hull, certainty)| box_json(hull, certainty)),
             "area": self.area.map(measured_json),
             "volume": self.volume().map(measured_json),
-            "shells": self.shells.as_ref().ok().map(|all| {
-                all.iter().map(|s| shell_json(s, model)).collect::<Vec<_>>()
-            }),
-            "not_closed": self.shells.as_ref().err(),
+            "shells": self.shells.iter().map(|s| shell_json(s, model)).collect::<Vec<_>>(),
+            "not_closed": self.not_closed,
         })
     }
 }

@@ -118,6 +118,8 @@ enum Behind {
 
 /// Pixels that the silhouette of the mesh may be off.
 const PIXEL_SHARE: f64 = 0.25;
+/// Cells along each direction between which a curvature is interpolated, also where the surface is straight.
+const SHADES: usize = 32;
 /// Dark stripes over half a turn.
 const STRIPES: u32 = 12;
 
@@ -130,9 +132,14 @@ impl Args {
         let tolerance = self
             .tolerance
             .unwrap_or_else(|| scene::share_of_size(&model, PIXEL_SHARE / longest));
+        let curved = matches!(self.style, Style::CurvatureGaussian | Style::CurvatureMean);
+        let detail = scene::Detail {
+            tolerance,
+            least_cells: if curved { SHADES } else { 1 },
+        };
         let (mut scene, left_out) = match self.tolerance {
-            None => scene::visible(&model, tolerance, screen)?,
-            asked => (scene::scene(&model, tolerance, asked, screen)?, Vec::new()),
+            None => scene::visible(&model, detail, screen)?,
+            asked => (scene::scene(&model, detail, asked, screen)?, Vec::new()),
         };
         let options = self.options(&model, &mut scene);
         let mut picture = Picture::new(&scene, options).lines(self.lines(&model, tolerance)?);

@@ -308,6 +308,14 @@ fn sides_that_meet_in_part_are_noted_with_the_place_to_split() {
         "{}",
         run.stderr
     );
+    let run = folder.nappe("check model.nappe.toml --format json");
+    let json: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    let found = json["sides_in_part"].as_array().unwrap();
+    assert_eq!(found.len(), 2);
+    let b = found.iter().find(|f| f["part"] == "b.south").unwrap();
+    assert_eq!(b["along"], "a.north");
+    assert_eq!(b["split"], serde_json::json!({ "dir": "u", "at": [0.5] }));
+    assert_eq!(b["to"], serde_json::json!([1.0, 1.0, 0.0]));
 }
 
 #[test]

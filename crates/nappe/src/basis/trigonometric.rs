@@ -23,7 +23,7 @@ pub enum TrigonometricError {
     },
     /// Too near π, or above.
     #[error(
-        "the angle of trigonometric blending is {alpha} rad ({:.6}°): towards π (180°) the blending functions of the \
+        "the angle of trigonometric blending is {alpha} rad ({}°): towards π (180°) the blending functions of the \
          tangents grow without bound, it must be at most {} rad; use a smaller angle, or several surfaces",
         alpha.to_degrees(),
         Trigonometric::MAX

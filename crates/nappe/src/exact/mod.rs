@@ -17,7 +17,7 @@ pub use approximate::{
 };
 pub use arcs::ConicArcs;
 pub use curve_tools::compatible;
-pub use nurbs_curve::{NurbsCurve, NurbsError};
+pub use nurbs_curve::{NurbsCurve, NurbsError, bad_weights};
 pub use nurbs_surface::NurbsSurface;
 pub use piecewise::PiecewiseRational;
 

@@ -98,17 +98,21 @@ pub(crate) fn homogeneous(
             weights: weights.len(),
         });
     }
-    if let Some(index) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
-        return Err(NurbsError::Weight {
-            index,
-            value: weights[index],
-        });
+    if let Some(error) = bad_weights(weights).next() {
+        return Err(error);
     }
     Ok(points
         .iter()
         .zip(weights)
         .map(|(p, &w)| (*p * w).extend(w))
         .collect())
+}
+
+/// An error for each weight that is not positive and finite.
+pub fn bad_weights(weights: &[f64]) -> impl Iterator<Item = NurbsError> {
+    let bad = weights.iter().enumerate();
+    let bad = bad.filter(|(_, w)| !(w.is_finite() && **w > 0.0));
+    bad.map(|(index, &value)| NurbsError::Weight { index, value })
 }
 
 /// The point that homogeneous data is measured from: the middle of the points, so that enclosures and quotients

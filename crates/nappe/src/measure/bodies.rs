@@ -2,11 +2,18 @@
 
 use std::collections::VecDeque;
 
+/// Parts that hang together.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Body {
+    /// The parts in the order of a walk; true for those to turn so that they agree with the first.
+    pub parts: Vec<(usize, bool)>,
+    /// A part from which there are ways that contradict each other, as on a Möbius strip: then no turns make all agree.
+    pub contradiction: Option<usize>,
+}
+
 /// Follows parts from neighbour to neighbour: `neighbours[k]` lists the parts that part k meets, each with true if one of
-/// both must be turned for them to agree. Returns each body as its parts in the order of the walk, with true for those to
-/// turn so that they agree with the first; or a part from which there are ways that contradict each other, as on a Möbius
-/// strip. Time proportional to the number of neighbours.
-pub fn bodies(neighbours: &[Vec<(usize, bool)>]) -> Result<Vec<Vec<(usize, bool)>>, usize> {
+/// both must be turned for them to agree. Time proportional to the number of neighbours.
+pub fn bodies(neighbours: &[Vec<(usize, bool)>]) -> Vec<Body> {
     let mut turn: Vec<Option<bool>> = vec![None; neighbours.len()];
     let mut bodies = Vec::new();
     for start in 0..neighbours.len() {
@@ -14,23 +21,29 @@ pub fn bodies(neighbours: &[Vec<(usize, bool)>]) -> Result<Vec<Vec<(usize, bool)
             continue;
         }
         turn[start] = Some(false);
-        let (mut body, mut queue) = (Vec::new(), VecDeque::from([(start, false)]));
+        let mut body = Body {
+            parts: Vec::new(),
+            contradiction: None,
+        };
+        let mut queue = VecDeque::from([(start, false)]);
         while let Some((part, turned)) = queue.pop_front() {
-            body.push((part, turned));
+            body.parts.push((part, turned));
             for &(next, against) in &neighbours[part] {
                 match turn[next] {
                     None => {
                         turn[next] = Some(turned != against);
                         queue.push_back((next, turned != against));
                     }
-                    Some(t) if t != (turned != against) => return Err(part),
+                    Some(t) if t != (turned != against) => {
+                        body.contradiction.get_or_insert(part);
+                    }
                     Some(_) => {}
                 }
             }
         }
         bodies.push(body);
     }
-    Ok(bodies)
+    bodies
 }
 
 #[cfg(test)]
@@ -50,19 +63,19 @@ mod tests {
     fn a_ring_agrees_if_it_is_turned_an_even_number_of_times() {
         for mask in 0..32u32 {
             let against: Vec<bool> = (0..5).map(|k| mask >> k & 1 == 1).collect();
-            match bodies(&ring(&against)) {
-                Ok(found) => {
-                    assert_eq!(mask.count_ones() % 2, 0);
-                    assert_eq!(found.len(), 1);
-                    let mut turn = [false; 5];
-                    found[0].iter().for_each(|&(k, t)| turn[k] = t);
-                    let agree = (0..5).all(|k| (turn[k] != turn[(k + 1) % 5]) == against[k]);
-                    assert!(agree && found[0].len() == 5);
-                }
-                Err(_) => assert_eq!(mask.count_ones() % 2, 1),
-            }
+            let found = bodies(&ring(&against));
+            assert_eq!((found.len(), found[0].parts.len()), (1, 5));
+            let odd = mask.count_ones() % 2 == 1;
+            assert_eq!(found[0].contradiction.is_some(), odd);
+            let mut turn = [false; 5];
+            found[0].parts.iter().for_each(|&(k, t)| turn[k] = t);
+            let agree = (0..5).all(|k| (turn[k] != turn[(k + 1) % 5]) == against[k]);
+            assert_eq!(agree, !odd);
         }
-        let two = [ring(&[false; 2]), vec![vec![]]].concat();
-        assert_eq!(bodies(&two).map(|b| b.len()), Ok(2));
+        // One that contradicts itself says nothing about others.
+        let lone = |k: usize| vec![(k, true)];
+        let found = bodies(&[ring(&[false; 2]), vec![lone(2)], vec![vec![]]].concat());
+        let wrong: Vec<_> = found.iter().map(|b| b.contradiction).collect();
+        assert_eq!(wrong, [None, Some(2), None]);
     }
 }

@@ -26,7 +26,7 @@ mod volume;
 
 pub use apex::{UnboundedCurvature, unbounded_curvature};
 pub use area::area;
-pub use bodies::bodies;
+pub use bodies::{Body, bodies};
 pub use continuity::{Continuity, SideOf, Smoothness, continuity};
 pub use crease::{Crease, creases};
 pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes};

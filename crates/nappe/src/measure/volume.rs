@@ -1,7 +1,7 @@
 //! The volume inside closed surfaces.
 
 use super::area::normal;
-use super::bodies::bodies;
+use super::bodies::{Body, bodies};
 use super::integral::{IntegralOptions, Measured, estimate, integrate, measured};
 use super::strip::{length, strip};
 use super::taylor::{Patch, Taylor};
@@ -12,6 +12,7 @@ use crate::mesh::shared::Edge;
 use crate::mesh::{Certainty, Joint, Joints, joints};
 use crate::surface::{Dir, Side, Surface, SurfaceRef};
 use glam::DVec3;
+use std::collections::HashSet;
 use thiserror::Error;
 
 /// Why surfaces enclose no volume.
@@ -77,10 +78,11 @@ pub struct Shell {
     pub volume: Measured,
 }
 
-/// The shells that surfaces make together, each with its volume: `⅓ |∮ (r - c)·n dA|`. Shells may lie inside each other
-/// or cross: that is not looked at, so their volumes are not to be added without a thought.
+/// The bodies that surfaces make together, each with its volume `⅓ |∮ (r - c)·n dA|`, or with the reason why it encloses
+/// none. Shells may lie inside each other or cross: that is not looked at, so their volumes are not to be added without a
+/// thought.
 ///
-/// The surfaces must be closed: each side meets exactly one other within `weld`, or is one point (`None`: 10⁻⁷ of the
+/// A shell is closed: each side meets exactly one other within `weld`, or is one point (`None`: 10⁻⁷ of the
 /// box; never more than a hundredth of the surface itself, see [`joints`]). Surfaces whose normals disagree are turned,
 /// first to agree with their neighbours, then so that the volume is positive.
 ///
@@ -92,18 +94,21 @@ pub fn shells(
     surfaces: &[SurfaceRef],
     weld: Option<f64>,
     options: &IntegralOptions,
-) -> Result<Vec<Shell>, VolumeError> {
+) -> Vec<Result<Shell, VolumeError>> {
     let weld = weld.unwrap_or_else(|| WELD * hull(surfaces.iter()).diagonal());
-    let joined = closed(surfaces, weld)?;
+    let joined = joints(surfaces, weld);
     let mut neighbours = vec![Vec::new(); surfaces.len()];
     for j in &joined.joints {
-        let (a, b, turned) = (j.first.0, j.second.0, is_turned(j));
+        let (a, b, turned) = (j.first.0, j.second.0, j.is_turned());
         neighbours[a].push((b, turned));
         neighbours[b].push((a, turned));
     }
-    let bodies = bodies(&neighbours).map_err(|surface| VolumeError::OneSided { surface })?;
-    let shell = |body: Vec<(usize, bool)>| shell(surfaces, &joined, body, weld, options);
-    Ok(bodies.into_iter().map(shell).collect())
+    let branched = branched(&joined.joints);
+    let one = |body: Body| match flaw(surfaces, &joined, &branched, &body, weld) {
+        Some(flaw) => Err(flaw),
+        None => Ok(shell(surfaces, &joined, body.parts, weld, options)),
+    };
+    bodies(&neighbours).into_iter().map(one).collect()
 }
 
 /// The volume that closed surfaces enclose, with the signs of their normals: `⅓ ∮ (r - c)·n dA`, positive if the normals
@@ -115,13 +120,14 @@ pub fn volume(
     weld: Option<f64>,
     options: &IntegralOptions,
 ) -> Result<Measured, VolumeError> {
-    let shells = shells(surfaces, weld, options)?;
+    let shells = shells(surfaces, weld, options);
+    let shells = shells.into_iter().collect::<Result<Vec<Shell>, _>>()?;
     let mixed = |s: &&Shell| s.surfaces.iter().any(|f| f.1 != s.surfaces[0].1);
     if let Some(shell) = shells.iter().find(mixed) {
         let weld = weld.unwrap_or_else(|| WELD * hull(surfaces.iter()).diagonal());
         let part = |k: usize| shell.surfaces.iter().any(|f| f.0 == k);
         let wrong = joints(surfaces, weld).joints.into_iter();
-        if let Some(j) = wrong.filter(|j| part(j.first.0)).find(is_turned) {
+        if let Some(j) = wrong.filter(|j| part(j.first.0)).find(Joint::is_turned) {
             return Err(VolumeError::Orientation {
                 first: j.first,
                 second: j.second,
@@ -140,13 +146,6 @@ pub fn volume(
         }
     });
     Ok(signed.sum())
-}
-
-/// True if the surfaces on both sides of a joint have normals on different sides.
-fn is_turned(j: &Joint) -> bool {
-    // The border runs counter-clockwise: along u in the south, against v in the west.
-    let forward = |s: Side| matches!(s, Side::South | Side::East);
-    (forward(j.first.1) == forward(j.second.1)) != j.reversed
 }
 
 /// A box around surfaces.
@@ -274,31 +273,45 @@ fn holes(
 /// Covers the roundings of sums of positive numbers.
 const ROUND_UP: f64 = 1.0 + 1e-12;
 
-/// Checks that the surfaces close up; returns the joints.
-fn closed(surfaces: &[SurfaceRef], weld: f64) -> Result<Joints, VolumeError> {
-    for (surface, s) in surfaces.iter().enumerate() {
-        if let Some((dir, at)) = tear(s.as_ref()) {
-            return Err(VolumeError::Torn { surface, dir, at });
-        }
-    }
-    let found = joints(surfaces, weld);
-    for (surface, sides) in found.open.iter().enumerate() {
-        if let Some(&side) = sides.first() {
-            let edge = Edge::new(surfaces[surface].as_ref(), side);
-            return Err(VolumeError::Open {
+/// The leading sides that more than one other side meets.
+fn branched(joints: &[Joint]) -> Vec<(usize, Side)> {
+    let mut seen = HashSet::new();
+    let again = joints.iter().filter(|j| !seen.insert(j.first));
+    again.map(|j| j.first).collect()
+}
+
+/// Why a body encloses nothing.
+fn flaw(
+    surfaces: &[SurfaceRef],
+    joined: &Joints,
+    branched: &[(usize, Side)],
+    body: &Body,
+    weld: f64,
+) -> Option<VolumeError> {
+    let mut own: Vec<usize> = body.parts.iter().map(|p| p.0).collect();
+    own.sort_unstable();
+    let torn = own.iter().find_map(|&surface| {
+        let (dir, at) = tear(surfaces[surface].as_ref())?;
+        Some(VolumeError::Torn { surface, dir, at })
+    });
+    let open = || {
+        own.iter().find_map(|&surface| {
+            let &side = joined.open[surface].first()?;
+            let weld = Edge::new(surfaces[surface].as_ref(), side).join_within(weld);
+            Some(VolumeError::Open {
                 surface,
                 side,
-                weld: edge.join_within(weld),
-            });
-        }
-    }
-    let mut seen: Vec<(usize, Side)> = Vec::new();
-    for j in &found.joints {
-        if seen.contains(&j.first) {
-            let (surface, side) = j.first;
-            return Err(VolumeError::Branched { surface, side });
-        }
-        seen.push(j.first);
-    }
-    Ok(found)
+                weld,
+            })
+        })
+    };
+    let branched = || {
+        let &(surface, side) = branched.iter().find(|b| own.binary_search(&b.0).is_ok())?;
+        Some(VolumeError::Branched { surface, side })
+    };
+    let one_sided = || {
+        let surface = body.contradiction?;
+        Some(VolumeError::OneSided { surface })
+    };
+    torn.or_else(open).or_else(branched).or_else(one_sided)
 }

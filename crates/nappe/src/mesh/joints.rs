@@ -18,6 +18,15 @@ pub struct Joint {
     pub length: f64,
 }
 
+impl Joint {
+    /// True if the surfaces on both sides have normals on different sides.
+    pub fn is_turned(&self) -> bool {
+        // The border runs counter-clockwise: along u in the south, against v in the west.
+        let forward = |s: Side| matches!(s, Side::South | Side::East);
+        (forward(self.first.1) == forward(self.second.1)) != self.reversed
+    }
+}
+
 /// How surfaces meet.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Joints {

@@ -195,6 +195,7 @@ impl Task<'_> {
         for (least, across) in least.iter_mut().zip([Dir::U, Dir::V]) {
             let lines = surface.breaks(across).below(1);
             *least = (*least / (lines.len() + 1) as f64).ceil();
+            *least = least.max(self.options.least_cells as f64);
             let mut lines = lines
                 .into_iter()
                 .map(|at| Edge::inside(surface, across, at));

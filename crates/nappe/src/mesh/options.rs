@@ -17,6 +17,9 @@ pub struct MeshOptions {
     /// Sides that are nowhere farther apart than this become one, and a side no larger than this becomes one point.
     /// It is part of `tol`. `None`: a twentieth of `tol`.
     pub weld: Option<f64>,
+    /// The fewest cells along u and along v between the lines where a surface is less smooth. More than 1 makes values
+    /// at the vertices, as curvatures, vary also where the surface is straight and would not be cut.
+    pub least_cells: usize,
     /// A mesh that would need more triangles is refused before it is made.
     pub max_triangles: usize,
     /// Hears of the progress.
@@ -38,6 +41,7 @@ impl Default for MeshOptions {
         Self {
             tol: None,
             weld: None,
+            least_cells: 1,
             max_triangles: 100_000_000,
             progress: None,
         }
@@ -49,6 +53,7 @@ impl fmt::Debug for MeshOptions {
         f.debug_struct("MeshOptions")
             .field("tol", &self.tol)
             .field("weld", &self.weld)
+            .field("least_cells", &self.least_cells)
             .field("max_triangles", &self.max_triangles)
             .field("progress", &self.progress.is_some())
             .finish()

@@ -1,6 +1,7 @@
 //! Whether the data of a Coons surface fits together: the report over its 16 corner conditions.
 
 use super::sides::{Corner, Side};
+use crate::significant;
 use glam::DVec3;
 use std::fmt;
 
@@ -72,8 +73,11 @@ impl fmt::Display for Disagreement {
         let [x, y] = self.values;
         write!(
             f,
-            "{} corner: the {} is {x} by {a} but {y} by {b}, {:.6e} apart (allowed: {:.1e})",
-            self.corner, self.datum, self.distance, self.limit
+            "{} corner: the {} is {x} by {a} but {y} by {b}, {} apart (allowed: {})",
+            self.corner,
+            self.datum,
+            significant(self.distance, 6),
+            significant(self.limit, 2)
         )
     }
 }
@@ -108,7 +112,11 @@ impl fmt::Display for Compatibility {
             let names: Vec<&str> = self.reverse.iter().map(|s| s.name()).collect();
             write!(f, "; reverse {}", names.join(" and "))?;
             if self.remaining > 0.0 {
-                write!(f, ", which leaves a gap of {:.6e}", self.remaining)?;
+                write!(
+                    f,
+                    ", which leaves a gap of {}",
+                    significant(self.remaining, 6)
+                )?;
             }
         } else if self.has(|d| d == Datum::Position) {
             write!(f, "; move the ends of the boundary curves together")?;

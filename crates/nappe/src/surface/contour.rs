@@ -2,6 +2,7 @@
 
 use super::sides::{Corner, Side};
 use crate::curve::{CurveRef, on_unit_domain};
+use crate::significant;
 use glam::DVec3;
 use std::fmt;
 use thiserror::Error;
@@ -26,8 +27,12 @@ impl fmt::Display for CornerGap {
         let verb = ["starts", "ends"];
         write!(
             f,
-            "{a} {} at {} but {b} {} at {}, {:.6e} away",
-            verb[u], self.along_u, verb[v], self.along_v, self.gap
+            "{a} {} at {} but {b} {} at {}, {} away",
+            verb[u],
+            self.along_u,
+            verb[v],
+            self.along_v,
+            significant(self.gap, 6)
         )
     }
 }
@@ -61,12 +66,12 @@ pub enum ContourError {
 
 fn open_text(gaps: &[CornerGap], tol: f64, reverse: &[Side], remaining: f64) -> String {
     let list: Vec<String> = gaps.iter().map(CornerGap::to_string).collect();
-    let mut text = format!("{} (allowed: {tol:.1e})", list.join("; "));
+    let mut text = format!("{} (allowed: {})", list.join("; "), significant(tol, 2));
     if !reverse.is_empty() {
         let names: Vec<&str> = reverse.iter().map(|s| s.name()).collect();
         text += &format!("; reverse {}", names.join(" and "));
         if remaining > tol {
-            text += &format!(", which leaves a gap of {remaining:.6e}");
+            text += &format!(", which leaves a gap of {}", significant(remaining, 6));
         }
     }
     text

@@ -9,6 +9,7 @@ use super::{Elementary, Separable, Surface, SurfaceRef};
 use crate::basis::Blending;
 use crate::curve::{CurveRef, on_unit_domain};
 use crate::exact::NurbsSurface;
+use crate::significant;
 use glam::DVec3;
 use thiserror::Error;
 
@@ -129,7 +130,7 @@ pub enum CoonsError {
     Incompatible(Box<Compatibility>),
     /// The side of the neighbouring surface is another curve.
     #[error(
-        "{side} is to continue the {neighbour} side of another surface, but at t = {at} the two are {distance:.6e} apart (allowed: {limit:.1e})"
+        "{side} is to continue the {neighbour} side of another surface, but at t = {at} the two are {} apart (allowed: {})", significant(*distance, 6), significant(*limit, 2)
     )]
     NeighbourApart {
         /// The side of this surface.

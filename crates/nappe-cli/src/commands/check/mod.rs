@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::model::ModelArgs;
 use crate::scene;
 use crate::screen::Screen;
-use crate::slits::{self, JOINED};
+use crate::slits::{JOINED, Partial};
 use crate::text::{Table, bound, number, torn};
 use nappe::measure::{
     Continuity, Crease, Jump, JumpOptions, Regularity, Smoothness, continuity, creases, regularity,
@@ -63,7 +63,7 @@ impl Args {
             ReportFormat::Json => format!("{:#}\n", found.json()),
         };
         io::stdout().lock().write_all(text.as_bytes())?;
-        for note in slits::partial(&model, scene::tolerance(&model, None)) {
+        for note in found.in_part.notes() {
             screen.note(note);
         }
         if found.pass() {
@@ -156,6 +156,7 @@ struct Findings<'a> {
     declared: Vec<Declared<'a>>,
     shared: Vec<Shared>,
     open: Vec<String>,
+    in_part: Partial<'a>,
     surfaces: Vec<(&'a NamedSurface, Regularity, Vec<Crease>)>,
     passing: Passing,
 }
@@ -216,6 +217,7 @@ impl<'a> Findings<'a> {
             declared,
             shared,
             open,
+            in_part: Partial::of(model, tolerance),
             surfaces: regular,
             passing,
         }
@@ -455,6 +457,7 @@ impl<'a> Findings<'a> {
             "checks": declared,
             "shared_sides": shared,
             "open_sides": self.open,
+            "sides_in_part": self.in_part.json(),
             "surfaces": surfaces,
             "passing_through": self.passing.json(),
             "failures": self.failures(),
