@@ -17,8 +17,10 @@ use nappe::mesh::{Certainty, Joints, joints};
 use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_exchange::Format;
 use nappe_model::{Model, NamedSurface};
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Tell what is in a model: surfaces, degrees, exactness, box, area, enclosed volume, curvature
 ///
@@ -112,12 +114,14 @@ impl Facts {
         let joined = JOINED * scene::tolerance(model, None);
         let met = joints(&surfaces, joined);
         let progress = screen.progress("Measuring");
+        let done = AtomicUsize::new(0);
         let facts: Vec<SurfaceFacts> = surfaces
-            .iter()
+            .par_iter()
             .enumerate()
             .map(|(i, s)| {
                 let facts = SurfaceFacts::of(s, i, &met);
-                progress.tell((i + 1) as f64 / surfaces.len() as f64);
+                let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                progress.tell(done as f64 / surfaces.len() as f64);
                 facts
             })
             .collect();

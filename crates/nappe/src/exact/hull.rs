@@ -22,7 +22,8 @@ type Row = SmallVec<[Interval; 4]>;
 pub(super) struct Part {
     /// The first point of the span.
     first: usize,
-    /// `orders[i][a]` is the row of the a-th Bézier point of the i-th derivative.
+    /// `orders[i][a]` is the row of the a-th Bézier point of the i-th derivative. Over a single parameter all of these are
+    /// one point, and there is one row.
     orders: SmallVec<[SmallVec<[Row; 4]>; 5]>,
 }
 
@@ -32,39 +33,45 @@ impl Part {
         let span = basis.span(t.mid(), limit);
         let k = |i: usize| Interval::point(knots[i]);
         let [lo, hi] = [t.lo, t.hi].map(Interval::point);
-        let top = order.min(p);
-        let mut orders: SmallVec<[SmallVec<[Row; 4]>; 5]> = (0..=top)
-            .map(|i| {
-                let row: Row = SmallVec::from_elem(Interval::ZERO, p + 1);
-                SmallVec::from_elem(row, p - i + 1)
+        let zero: Row = SmallVec::from_elem(Interval::ZERO, p + 1);
+        // The points of the derivative, each as a row of shares of the given points.
+        let mut c: SmallVec<[Row; 4]> = (0..=p)
+            .map(|unit| {
+                let mut row = zero.clone();
+                row[unit] = Interval::ONE;
+                row
             })
             .collect();
-        for unit in 0..=p {
-            let mut c: Row = SmallVec::from_elem(Interval::ZERO, p + 1);
-            c[unit] = Interval::ONE;
-            for (i, rows) in orders.iter_mut().enumerate() {
-                let d = p - i;
-                for (a, row) in rows.iter_mut().enumerate() {
-                    // The polar form of degree d at d - a times lo and a times hi.
-                    let mut x = c.clone();
-                    for r in 1..=d {
-                        let at = if r > d - a { hi } else { lo };
-                        for j in (r..=d).rev() {
-                            let from = span + j - d;
-                            let s = (at - k(from)) / (k(from + d + 1 - r) - k(from));
-                            x[j] = (Interval::ONE - s) * x[j - 1] + s * x[j];
+        let mut orders: SmallVec<[SmallVec<[Row; 4]>; 5]> = SmallVec::new();
+        for i in 0..=order.min(p) {
+            let d = p - i;
+            let rows = if t.is_point() { 1 } else { d + 1 };
+            let bezier = (0..rows).map(|a| {
+                // The polar form of degree d at d - a times lo and a times hi.
+                let mut x = c.clone();
+                for r in 1..=d {
+                    let at = if r > d - a { hi } else { lo };
+                    for j in (r..=d).rev() {
+                        let from = span + j - d;
+                        let s = (at - k(from)) / (k(from + d + 1 - r) - k(from));
+                        let rest = Interval::ONE - s;
+                        for unit in 0..=p {
+                            x[j][unit] = rest * x[j - 1][unit] + s * x[j][unit];
                         }
                     }
-                    row[unit] = x[d];
                 }
-                // The points of the next derivative.
-                for j in 0..d {
-                    let at = span + 1 + j - d;
-                    let factor = Interval::point(d as f64) / (k(at + d) - k(at));
-                    c[j] = (c[j + 1] - c[j]) * factor;
+                x[d].clone()
+            });
+            orders.push(bezier.collect());
+            // The points of the next derivative.
+            for j in 0..d {
+                let at = span + 1 + j - d;
+                let factor = Interval::point(d as f64) / (k(at + d) - k(at));
+                for unit in 0..=p {
+                    c[j][unit] = (c[j + 1][unit] - c[j][unit]) * factor;
                 }
-                c.truncate(d.max(1));
             }
+            c.truncate(d.max(1));
         }
         Self {
             first: span - p,
@@ -102,7 +109,7 @@ pub(super) fn derivatives(
 ) -> SmallVec<[[Interval; 4]; 16]> {
     let mut out: SmallVec<[[Interval; 4]; 16]> =
         SmallVec::from_elem([Interval::ZERO; 4], jet_len(order));
-    let (nu, nv) = (u.orders[0].len(), v.orders[0].len());
+    let [nu, nv] = [u, v].map(|part| part.orders[0][0].len());
     let local: SmallVec<[[Interval; 4]; 16]> = (0..nu * nv)
         .map(|k| point(net[(u.first + k / nv) * columns + v.first + k % nv]))
         .collect();

@@ -407,7 +407,7 @@ mod tests {
             "{text}"
         );
         assert!(
-            text.contains("reverse west, which leaves a gap of 5.000000e-1"),
+            text.contains("reverse west, which leaves a gap of 0.5"),
             "{text}"
         );
     }

@@ -15,9 +15,11 @@ use nappe::mesh::{Certainty, joints};
 use nappe::surface::{Side, SurfaceRef};
 use nappe_model::{Check, CheckTolerance, Model, NamedSurface};
 use passing::Passing;
+use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 mod passing;
 
@@ -169,20 +171,19 @@ impl<'a> Findings<'a> {
         let met = joints(&surfaces, tolerance);
         let progress = screen.progress("Checking");
         let work = model.checks.len() + met.joints.len() + named.len();
-        let mut done = 0;
-        let mut step = || {
-            done += 1;
+        let done = AtomicUsize::new(0);
+        let step = || {
+            let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             progress.tell(done as f64 / work as f64);
         };
-        let declared = model.checks.iter().map(|c| {
+        let declared = model.checks.par_iter().map(|c| {
             let d = declared(c, tolerance);
             step();
             d
         });
         let declared = declared.collect();
         let name = |(i, side): (usize, Side)| format!("{}.{side}", named[i].name);
-        let mut shared = Vec::new();
-        for j in &met.joints {
+        let shared = met.joints.par_iter().map(|j| {
             let of = |(i, side): (usize, Side)| (surfaces[i].as_ref(), side);
             let joint = continuity(
                 of(j.first),
@@ -190,20 +191,21 @@ impl<'a> Findings<'a> {
                 tolerance,
                 &JumpOptions::default(),
             );
+            step();
             let gap = joint.as_ref().map(|c| c.gap);
-            shared.push(Shared {
+            Shared {
                 sides: [name(j.first), name(j.second)],
                 verdict: gap.map_or(Verdict::Fails, |g| Verdict::of(&g, JOINED * tolerance)),
                 joint,
                 gap: j.gap,
-            });
-            step();
-        }
+            }
+        });
+        let shared = shared.collect();
         let mut open = Vec::new();
         for (s, sides) in named.iter().zip(&met.open) {
             open.extend(sides.iter().map(|side| format!("{}.{side}", s.name)));
         }
-        let regular = named.iter().map(|s| {
+        let regular = named.par_iter().map(|s| {
             let r = regularity(s.surface.as_ref(), &JumpOptions::default());
             step();
             (*s, r, creases(s.surface.as_ref()))
