@@ -27,6 +27,9 @@ impl Builder<'_> {
         let blend = self.blend(o);
         let cross = self.cross(o);
         let ([south, north, west, east], blend, (cross, estimate)) = (boundary?, blend?, cross?);
+        if !blend.has_tangents() {
+            self.positions_only(o)?;
+        }
         let mut options = CoonsOptions {
             blend,
             cross,
@@ -82,6 +85,27 @@ impl Builder<'_> {
             );
         }
         Ok(Patch::one(Arc::new(surface)))
+    }
+
+    /// Refuses words on derivatives, which linear blending does not take.
+    fn positions_only(&mut self, o: &Object) -> Built<()> {
+        let word = matches!(
+            o.fields.get("cross").map(|i| &i.datum),
+            Some(Datum::Text(_))
+        );
+        let given = [
+            ("cross", word),
+            (
+                "incompatible_twists",
+                o.fields.get("incompatible_twists").is_some(),
+            ),
+        ];
+        let Some((key, _)) = given.into_iter().find(|g| g.1) else {
+            return Ok(());
+        };
+        let message = format!("`{key}` is given, but linear blending keeps positions only");
+        let help = format!("write blend = \"cubic\", or remove `{key}`");
+        Err(self.refuse(o, (key, &[]), message, help))
     }
 
     fn blend(&mut self, o: &Object) -> Built<Blending> {

@@ -319,6 +319,7 @@ impl Builder<'_> {
                 vec![],
                 "choose a parameter of the surface",
             ),
+            CurveError::TooManyPieces { .. } => ("curves", vec![], "join fewer curves"),
             CurveError::Gap {
                 second, reversed, ..
             } => {

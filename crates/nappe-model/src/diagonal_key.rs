@@ -56,6 +56,10 @@ impl Builder<'_> {
     fn free(&mut self, o: &Object) -> Built<Free> {
         let f = &o.fields;
         let plane = ["p", "q"].iter().any(|k| f.get(k).is_some());
+        if f.get("normals").is_some() && f.get("free").is_none() {
+            let message = "`normals` are for the free functions of space, and no `free` is given";
+            return Err(self.refuse(o, ("normals", &[]), message, "give free, or remove normals"));
+        }
         match f.list("free").map(<[Item]>::to_vec) {
             Some(_) if plane => {
                 let message =

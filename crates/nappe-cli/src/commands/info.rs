@@ -270,9 +270,11 @@ impl Facts {
                     .map(|i| number(i.hi - i.lo, 5))
                     .join(" × ")
             });
+            // What a curvature is to be compared with: that of a sphere as large as the surface.
+            let round = f.extent.as_ref().map_or(0.0, |e| 2.0 / e.hull.diagonal());
             let (gaussian, mean) = f.curvature.as_ref().map_or_else(
                 || ("no normal anywhere".to_owned(), String::new()),
-                |c| (range(&c.gaussian), range(&c.mean)),
+                |c| (range(&c.gaussian, round * round), range(&c.mean, round)),
             );
             table.row([
                 s.name.clone(),
@@ -499,12 +501,17 @@ fn error(c: Certainty) -> String {
 }
 
 /// The least and greatest value: a bound on each is in the JSON.
-fn range([least, greatest]: &[Extreme; 2]) -> String {
-    let unknown = |e: &Extreme| !e.certainty.error().is_finite();
+fn range([least, greatest]: &[Extreme; 2], round: f64) -> String {
+    // A bound larger than the value says no more than none.
+    let largest = least.value.abs().max(greatest.value.abs()).max(round);
+    let unknown = |e: &Extreme| {
+        let error = e.certainty.error();
+        !error.is_finite() || (largest.is_finite() && error > largest)
+    };
     let about = match (unknown(least), unknown(greatest)) {
-        (true, true) => " (sampled; not bounded)",
-        (true, false) => " (least sampled; not bounded)",
-        (false, true) => " (greatest sampled; not bounded)",
+        (true, true) => " (sampled; not closely bounded)",
+        (true, false) => " (least sampled; not closely bounded)",
+        (false, true) => " (greatest sampled; not closely bounded)",
         (false, false) => "",
     };
     // Rounding leaves a curvature of 1e-17 where 0 is meant.

@@ -44,6 +44,43 @@ fn claims_that_hold_pass_and_others_fail() {
 }
 
 #[test]
+fn a_claim_about_normals_that_do_not_exist_is_not_proven() {
+    // The second surface leaves its west side, where its derivative across vanishes, at a right angle to the first.
+    let still = r#"
+tolerance = 0.01
+[surfaces.a]
+kind = "bilinear"
+corners = [[[20, 0, 0], [20, 10, 0]], [[30, 0, 0], [30, 10, 0]]]
+[surfaces.b]
+kind = "bezier"
+points = [[[30, 0, 0], [30, 10, 0]], [[30, 0, 0], [30, 10, 0]], [[30, 0, 9], [30, 10, 9]]]
+"#;
+    // Two triangles that have a corner in common, as collapsed sides.
+    let tips = r#"
+tolerance = 0.01
+[surfaces.a]
+kind = "bezier"
+points = [[[0, 0, 0], [0, 0, 0]], [[1, 0, 0], [1, 1, 0]]]
+[surfaces.b]
+kind = "bezier"
+points = [[[-1, 0, 3], [-1, -1, 5]], [[0, 0, 0], [0, 0, 0]]]
+"#;
+    for (model, sides) in [(still, ["a.east", "b.west"]), (tips, ["a.west", "b.east"])] {
+        for (continuity, tolerance) in [("G1", "\"1deg\""), ("G2", "0.001")] {
+            let claim = claim(sides[0], sides[1], continuity, tolerance);
+            let run =
+                Folder::with_model(&format!("{model}{claim}")).nappe("check model.nappe.toml");
+            assert_eq!(run.code, 1, "{continuity} of {sides:?}");
+            let text = String::from_utf8(run.stdout).unwrap();
+            assert!(
+                text.contains("angle unknown") && text.contains("not proven"),
+                "{text}"
+            );
+        }
+    }
+}
+
+#[test]
 fn the_numbers_are_those_of_geometry() {
     let folder = Folder::with_model(&format!(
         "{MODEL}{}",

@@ -20,6 +20,18 @@ fn limits_are_said() {
     }
     deep += "[curves.c500]\nkind = 'reverse'\ncurve = 'c0'\n";
     assert!(faults(&deep).to_string().contains("nested deeper than 64"));
+    let mut joined = String::from("nappe = 1\n[curves]\nc0 = { kind = 'circle', radius = 1 }\n");
+    for i in 0..40 {
+        joined += &format!(
+            "c{} = {{ kind = 'join', curves = ['c{i}', 'c{i}'] }}\n",
+            i + 1
+        );
+    }
+    assert!(
+        faults(&joined)
+            .to_string()
+            .contains("at most 65536 can be joined")
+    );
     let nested = format!(
         "nappe = 1\n[curves]\na = {}1{}",
         "[".repeat(5000),

@@ -72,7 +72,7 @@ const ROWS: &[Row] = &[
     (
         "[surfaces.j]\nkind = 'join'\nsurfaces = ['a', 'b']\n[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'bilinear'\ncorners = [[[1,0,0],[1,1,0.001]],[[2,0,0],[2,1,0]]]",
         (4, 18),
-        &["surface `j`", "a.east and b.west gap by 1.000000e-3"],
+        &["surface `j`", "a.east and b.west gap by 0.001"],
         "same curve",
     ),
     (

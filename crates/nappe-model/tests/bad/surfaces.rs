@@ -52,7 +52,7 @@ const ROWS: &[Row] = &[
     (
         "[surfaces.s]\nkind = 'coons'\nsouth = { kind = 'line', from = [0,0,0], to = [1,0,0] }\nnorth = { kind = 'line', from = [0,1,0], to = [1,1,0.5] }\nwest = { kind = 'line', from = [0,0,0], to = [0,1,0] }\neast = { kind = 'line', from = [1,0,0], to = [1,1,0] }",
         (5, 9),
-        &["surface `s`", "north", "east", "5.000000e-1"],
+        &["surface `s`", "north", "east", "0.5 apart"],
         "ends together",
     ),
     (
@@ -68,7 +68,7 @@ const ROWS: &[Row] = &[
             "south-west",
             "north-west",
             "north-east",
-            "reverse west, which leaves a gap of 3.0",
+            "reverse west, which leaves a gap of 3",
         ],
         "reverse west",
     ),
@@ -247,6 +247,18 @@ const ROWS: &[Row] = &[
         (6, 10),
         &["surface `s`", "`points`", "no entries"],
         "rows",
+    ),
+    (
+        "[surfaces.s]\nkind = 'coons'\nsouth = { kind = 'line', from = [0,0,0], to = [1,0,0] }\nnorth = { kind = 'line', from = [0,1,0], to = [1,1,0] }\nwest = { kind = 'line', from = [0,0,0], to = [0,1,0] }\neast = { kind = 'line', from = [1,0,0], to = [1,1,0] }\ncross = 'adini'",
+        (8, 9),
+        &["surface `s`", "`cross`", "positions only"],
+        "blend = \"cubic\"",
+    ),
+    (
+        "[surfaces.s]\nkind = 'diagonal-key'\nsouth = { kind = 'line', from = [0,0,0], to = [1,0,0] }\nnorth = { kind = 'line', from = [0,1,0], to = [1,1,0] }\nwest = { kind = 'line', from = [0,0,0], to = [0,1,0] }\neast = { kind = 'line', from = [1,0,0], to = [1,1,0] }\nnormals = ['x', 'x']",
+        (8, 11),
+        &["surface `s`", "`normals`", "no `free`"],
+        "remove normals",
     ),
 ];
 

@@ -12,6 +12,14 @@ pub enum CurveError {
     /// Control points, weights or knots are wrong.
     #[error(transparent)]
     Nurbs(#[from] NurbsError),
+    /// The curves to join have too many pieces together.
+    #[error("the curves have {pieces} pieces together, at most {most} can be joined")]
+    TooManyPieces {
+        /// The number of pieces.
+        pieces: usize,
+        /// The most.
+        most: usize,
+    },
     /// A point or vector has a coordinate that is NaN or infinite.
     #[error("{what} is {value}: coordinates must be finite numbers")]
     VectorNotFinite {

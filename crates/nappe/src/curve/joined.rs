@@ -40,6 +40,8 @@ impl Default for JoinOptions {
 
 /// The default distance allowed at a joint, relative to the size of the curves: data written with ten digits passes.
 const DEFAULT_TOL: f64 = 1e-9;
+/// More pieces come from joins of joins that double each time, and would take minutes and gigabytes.
+const MOST_PIECES: usize = 1 << 16;
 /// Relative difference of points that is rounding: such a joint counts as continuous.
 const SAME_POINT: f64 = 1e-13;
 /// Relative difference of derivatives that is rounding: such a joint counts as smooth.
@@ -65,6 +67,13 @@ impl Joined {
     pub fn new(curves: Vec<CurveRef>, options: JoinOptions) -> Result<Self, CurveError> {
         if curves.is_empty() {
             return Err(CurveError::Nothing);
+        }
+        let pieces = curves.iter().map(|c| c.breaks().pieces()).sum();
+        if pieces > MOST_PIECES {
+            return Err(CurveError::TooManyPieces {
+                pieces,
+                most: MOST_PIECES,
+            });
         }
         let size = curves
             .iter()

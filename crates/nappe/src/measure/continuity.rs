@@ -349,10 +349,14 @@ impl<'a> Pair<'a> {
         // What is certain: beside a pole the middle of an enclosure would be rounding errors.
         let [a, b] = fields.map(|f| Box3::from(f.normal().map(|s| s.c[0])));
         let cos = (a.dot(b) * Interval::point(self.sign)).hi;
-        let found = a.cross(b).norm().lo.atan2(cos);
+        let known = a.norm().lo > 0.0 && b.norm().lo > 0.0;
         Part {
             upper,
-            found: if found.is_finite() { found } else { 0.0 },
+            found: if known {
+                a.cross(b).norm().lo.atan2(cos)
+            } else {
+                f64::NAN
+            },
             at: inner,
         }
     }
@@ -370,7 +374,11 @@ impl<'a> Pair<'a> {
         Part {
             upper: d.mag(),
             // What is certain: beside a pole, where curvatures come from 0/0, the middle would be rounding errors.
-            found: at.c[0].mig(),
+            found: if at.c[0].is_finite() {
+                at.c[0].mig()
+            } else {
+                f64::NAN
+            },
             at: m,
         }
     }

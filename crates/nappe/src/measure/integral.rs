@@ -377,9 +377,13 @@ pub(super) fn estimate(surface: &dyn Surface, f: &dyn Fn(&[DVec3]) -> f64) -> Me
     }
 }
 
-/// A proven result as a number and its error.
-pub(super) fn measured(i: Interval) -> Measured {
-    let value = i.mid();
+/// A proven result as a number and its error; the number is as near to `best` as the proof allows.
+pub(super) fn measured(i: Interval, best: f64) -> Measured {
+    let value = if best.is_nan() {
+        i.mid()
+    } else {
+        best.clamp(i.lo, i.hi)
+    };
     Measured {
         value,
         certainty: Certainty::Bounded((i.hi - value).max(value - i.lo).next_up()),

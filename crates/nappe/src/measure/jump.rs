@@ -53,14 +53,18 @@ impl Jump {
 pub(super) struct Part {
     /// An upper bound over the part; infinite if nothing could be proven.
     pub(super) upper: f64,
-    /// The value at a sample inside.
+    /// The value at a sample inside; NaN if it says nothing, as an angle where there is no normal.
     pub(super) found: f64,
     /// The sample.
     pub(super) at: f64,
 }
 
+/// An estimate holds for a range of which samples say nothing about more than this share: beside a pole.
+const BLIND: f64 = 1e-3;
+
 /// The maximum over some parts. The one with the greatest bound is halved until the bound is close to the greatest
-/// sample, or below `enough`, or the parts are used up.
+/// sample, or below `enough`, or the parts are used up. Where neither a bound nor samples
+/// say anything, the estimate is infinite.
 pub(super) fn greatest(
     start: &[Interval],
     mut eval: impl FnMut(Interval) -> Part,
@@ -100,7 +104,13 @@ pub(super) fn greatest(
             let certainty = if worst.upper.is_finite() {
                 Certainty::Bounded(worst.upper.max(best.found))
             } else {
-                Certainty::Estimated(best.found)
+                let width = |parts: &mut dyn Iterator<Item = &(Interval, Part)>| -> f64 {
+                    parts.map(|(t, _)| t.width()).sum()
+                };
+                let is_blind = |p: &&(Interval, Part)| !p.1.upper.is_finite() && p.1.found.is_nan();
+                let blind = width(&mut parts.iter().filter(is_blind));
+                let estimated = blind <= BLIND * width(&mut parts.iter());
+                Certainty::Estimated(if estimated { best.found } else { f64::INFINITY })
             };
             return (certainty, best);
         }
@@ -141,5 +151,12 @@ mod tests {
         };
         let (c, _) = greatest(&[Interval::UNIT], nothing, 0.0, &JumpOptions::default());
         assert_eq!(c, Certainty::Estimated(2.0));
+        let blind = |_| Part {
+            upper: f64::INFINITY,
+            found: f64::NAN,
+            at: 0.5,
+        };
+        let (c, _) = greatest(&[Interval::UNIT], blind, 0.0, &JumpOptions::default());
+        assert_eq!(c, Certainty::Estimated(f64::INFINITY));
     }
 }

@@ -196,7 +196,7 @@ fn shell(
         };
         sum = if turned { sum - part } else { sum + part };
     }
-    let mut result = measured(sum);
+    let mut result = measured(sum, f64::NAN);
     if result.value < 0.0 {
         result.value = -result.value;
         body.iter_mut().for_each(|f| f.1 = !f.1);

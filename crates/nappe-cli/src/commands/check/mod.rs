@@ -523,7 +523,8 @@ fn smoothness(j: &Continuity) -> &'static str {
 fn shown(c: Certainty, unit: f64, symbol: &str) -> String {
     match c {
         Certainty::Exact => format!("0{symbol}"),
-        Certainty::Bounded(e) | Certainty::Estimated(e) if !e.is_finite() => "unbounded".to_owned(),
+        Certainty::Bounded(e) if !e.is_finite() => "unbounded".to_owned(),
+        Certainty::Estimated(e) if !e.is_finite() => "unknown".to_owned(),
         Certainty::Bounded(e) => format!("≤ {}{symbol}", bound(e * unit, 4)),
         Certainty::Estimated(e) => format!("{}{symbol} (estimated)", bound(e * unit, 4)),
     }
