@@ -203,6 +203,7 @@ pub(crate) fn exact(model: &Model, tolerance: f64) -> Result<Vec<Exact>, Failure
             kind: c.kind.to_owned(),
             form: ExactForm::Curve(form.nurbs),
             certainty: form.certainty,
+            same_parameters: form.same_parameters,
         });
     }
     for s in model.output() {
@@ -213,6 +214,7 @@ pub(crate) fn exact(model: &Model, tolerance: f64) -> Result<Vec<Exact>, Failure
             kind: s.kind.to_owned(),
             form: ExactForm::Surface(form.nurbs),
             certainty: form.certainty,
+            same_parameters: form.same_parameters,
         });
     }
     Ok(all)

@@ -49,6 +49,7 @@ struct Curve<'a> {
     name: &'a str,
     kind: &'a str,
     exactness: Exactness,
+    same_parameters: bool,
     degree: usize,
     knots: &'a [f64],
     points: Vec<[f64; 3]>,
@@ -61,6 +62,7 @@ struct Surface<'a> {
     name: &'a str,
     kind: &'a str,
     exactness: Exactness,
+    same_parameters: bool,
     degree: [usize; 2],
     knots_u: &'a [f64],
     knots_v: &'a [f64],
@@ -116,6 +118,7 @@ pub(crate) fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Tally> {
         kind,
         form,
         certainty,
+        same_parameters,
     } in &scene.exact
     {
         let exactness = Exactness::from(*certainty);
@@ -124,6 +127,7 @@ pub(crate) fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Tally> {
                 name,
                 kind,
                 exactness,
+                same_parameters: *same_parameters,
                 degree: c.degree(),
                 knots: c.knots(),
                 points: c.control_points().iter().map(DVec3::to_array).collect(),
@@ -136,6 +140,7 @@ pub(crate) fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<Tally> {
                     name,
                     kind,
                     exactness,
+                    same_parameters: *same_parameters,
                     degree: [s.basis_u().degree(), s.basis_v().degree()],
                     knots_u: s.basis_u().knots(),
                     knots_v: s.basis_v().knots(),
@@ -180,6 +185,7 @@ mod tests {
             kind: "nurbs".into(),
             form,
             certainty,
+            same_parameters: true,
         }
     }
 

@@ -77,6 +77,8 @@ pub struct Exact {
     pub form: ExactForm,
     /// How far the form is from the object.
     pub certainty: Certainty,
+    /// False if the form is the same set of points with other parameters.
+    pub same_parameters: bool,
 }
 
 /// A NURBS form.

@@ -33,6 +33,9 @@ impl Overrides {
     pub fn set_from(&mut self, text: &str) -> Result<(), String> {
         match text.split_once('=') {
             Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
+                if self.list.iter().any(|(n, _)| n == name.trim()) {
+                    return Err(format!("`{}` is set twice", name.trim()));
+                }
                 self.set(name.trim(), value);
                 Ok(())
             }

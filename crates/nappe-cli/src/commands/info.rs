@@ -99,6 +99,8 @@ struct Facts {
 /// What is said of one surface.
 struct SurfaceFacts {
     nurbs: Option<NurbsSurface>,
+    /// The same set of points, perhaps with other parameters.
+    shape: Option<NurbsSurface>,
     torn: Option<(Dir, f64)>,
     area: Measured,
     extent: Option<Extent>,
@@ -261,9 +263,13 @@ impl Facts {
         ];
         let mut table = Table::headed(headings.each_ref().map(String::as_str));
         for (s, f) in model.output().zip(&self.surfaces) {
-            let nurbs = f.nurbs.as_ref().map_or("no exact form".to_owned(), |n| {
-                format!("{} × {}", n.basis_u().degree(), n.basis_v().degree())
-            });
+            let degrees =
+                |n: &NurbsSurface| format!("{} × {}", n.basis_u().degree(), n.basis_v().degree());
+            let nurbs = match (&f.nurbs, &f.shape) {
+                (Some(n), _) => degrees(n),
+                (None, Some(n)) => format!("{}, other parameters", degrees(n)),
+                (None, None) => "no exact form".to_owned(),
+            };
             let size = f.extent.as_ref().map_or(String::new(), |e| {
                 e.hull
                     .to_array()
@@ -310,7 +316,8 @@ impl Facts {
                 json!({
                     "name": c.name, "kind": c.kind, "construction_only": c.construction_only,
                     "domain": [domain.lo, domain.hi],
-                    "exact_nurbs": nurbs.is_some(), "degree": nurbs.map(|n| n.degree()),
+                    "exact_nurbs": nurbs.is_some(),
+                    "exact_shape": c.curve.to_rational().is_some(), "degree": nurbs.map(|n| n.degree()),
                 })
             })
             .collect();
@@ -344,6 +351,7 @@ impl SurfaceFacts {
         };
         SurfaceFacts {
             nurbs: surface.to_nurbs(),
+            shape: surface.to_rational(),
             torn: tear(surface.as_ref()),
             area: area(surface.as_ref(), &INTEGRALS),
             extent: extent(surface.as_ref(), &SEARCH),
@@ -376,6 +384,7 @@ impl SurfaceFacts {
             "kind": s.kind,
             "domain": domain,
             "exact_nurbs": self.nurbs.is_some(),
+            "exact_shape": self.shape.is_some(),
             "degree": self.nurbs.as_ref().map(|n| [n.basis_u().degree(), n.basis_v().degree()]),
             "rational": self.nurbs.as_ref().map(NurbsSurface::is_rational),
             "box": self.extent.as_ref().map(|e| box_json(e.hull, e.certainty)),

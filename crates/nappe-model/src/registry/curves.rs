@@ -156,13 +156,13 @@ pub const CURVES: &[Kind] = &[
             key(
                 "start_tangent",
                 Vector,
-                Optional("no curvature there"),
+                Optional("degree 3: no curvature there; other degrees: what the fewest knots give"),
                 "the derivative at the first point",
             ),
             key(
                 "end_tangent",
                 Vector,
-                Optional("no curvature there"),
+                Optional("degree 3: no curvature there; other degrees: what the fewest knots give"),
                 "the derivative at the last point",
             ),
             key(

@@ -315,7 +315,7 @@ pub const SURFACES: &[Kind] = &[
                 "semi_axes",
                 NUMBERS,
                 Required,
-                "a, b, c of the canonical equation, as many as the shape has; one for a sphere",
+                "of the canonical equation. Three (a, b, c): ellipsoid x²/a² + y²/b² + z²/c² = 1; hyperboloid-1 and hyperboloid-2 x²/a² + y²/b² - z²/c² = 1 and -1; elliptic-paraboloid and hyperbolic-paraboloid x²/a² ± y²/b² = z/c; cone x²/a² + y²/b² = z²/c². Two: cylinder x²/a² + y²/b² = 1 (or one, the radius); parabolic-cylinder x²/a² = z/c (a, c); hyperbolic-cylinder x²/a² - y²/b² = 1. One: sphere, the radius",
             ),
             key(
                 "center",
@@ -372,7 +372,7 @@ pub const SURFACES: &[Kind] = &[
                 "radius",
                 Formula(&["u"]),
                 Required,
-                "a number, or an expression in u along the edge",
+                "a number, or an expression in u, 0 to 1 along the edge: along the cross product of the normals towards the ball, of the first surface and of the second, so exchanging the two turns u round",
             ),
             key(
                 "side",

@@ -40,7 +40,7 @@ pub enum ApproximationError {
     Nurbs(#[from] NurbsError),
 }
 
-/// A NURBS form and how far it may be, at equal parameters, from what it stands for.
+/// A NURBS form and how far it may be from what it stands for.
 ///
 /// The error bound holds for the mathematical spline with the given points; evaluating it adds the usual rounding of
 /// a few units in the last place.
@@ -50,6 +50,19 @@ pub struct Converted<T> {
     pub nurbs: T,
     /// The error: exact, proven, or (only where something cannot be enclosed) sampled.
     pub certainty: Certainty,
+    /// True if the error holds at equal parameters. Otherwise the form is the same set of points, run through in the same
+    /// directions with other parameters.
+    pub same_parameters: bool,
+}
+
+impl<T> Converted<T> {
+    fn exact(nurbs: T, same_parameters: bool) -> Self {
+        Self {
+            nurbs,
+            certainty: Certainty::Exact,
+            same_parameters,
+        }
+    }
 }
 
 /// The most pieces of a curve, or of a surface in one direction. At the sixth order of convergence a smooth curve
@@ -64,33 +77,26 @@ const SAMPLES: usize = 7;
 /// Rounding errors of the points computed from end data, in units in the last place of the largest coordinate.
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
-/// The curve as a NURBS curve with the same parametrisation: exactly where that exists, else [`approximate_curve`].
+/// The curve as a NURBS curve: exactly where that exists, with the same parameters if possible, else
+/// [`approximate_curve`]. What exporters call.
 pub fn to_nurbs_or_approximate_curve(
     curve: &dyn Curve,
     tol: f64,
 ) -> Result<Converted<NurbsCurve>, ApproximationError> {
-    match curve.to_nurbs() {
-        Some(nurbs) => Ok(Converted {
-            nurbs,
-            certainty: Certainty::Exact,
-        }),
-        None => approximate_curve(curve, tol),
-    }
+    let same = curve.to_nurbs().map(|n| Converted::exact(n, true));
+    let exact = same.or_else(|| Some(Converted::exact(curve.to_rational()?, false)));
+    exact.map_or_else(|| approximate_curve(curve, tol), Ok)
 }
 
-/// The surface as a NURBS surface with the same parametrisation: exactly where that exists, else
+/// The surface as a NURBS surface: exactly where that exists, with the same parameters if possible, else
 /// [`approximate_surface`]. What exporters call.
 pub fn to_nurbs_or_approximate(
     surface: &dyn Surface,
     tol: f64,
 ) -> Result<Converted<NurbsSurface>, ApproximationError> {
-    match surface.to_nurbs() {
-        Some(nurbs) => Ok(Converted {
-            nurbs,
-            certainty: Certainty::Exact,
-        }),
-        None => approximate_surface(surface, tol),
-    }
+    let same = surface.to_nurbs().map(|n| Converted::exact(n, true));
+    let exact = same.or_else(|| Some(Converted::exact(surface.to_rational()?, false)));
+    exact.map_or_else(|| approximate_surface(surface, tol), Ok)
 }
 
 /// A spline of degree 5 that stays within `tol` of the curve at equal parameters. Its ends are those of the curve; it
@@ -132,7 +138,11 @@ pub fn approximate_curve(
         }
     }
     let nurbs = NurbsCurve::from_spline(join(&breaks, DEGREE, &pieces))?;
-    Ok(Converted { nurbs, certainty })
+    Ok(Converted {
+        nurbs,
+        certainty,
+        same_parameters: true,
+    })
 }
 
 /// A Bézier piece with what is known of its error.
@@ -302,7 +312,11 @@ pub fn approximate_surface(
     }
     let point = |a, b, i: usize, j: usize| cell(a, b).piece.points[i][j];
     let nurbs = NurbsSurface::from_grid([bu, bv], [DEGREE; 2], point)?;
-    Ok(Converted { nurbs, certainty })
+    Ok(Converted {
+        nurbs,
+        certainty,
+        same_parameters: true,
+    })
 }
 
 /// A piece of a surface (rows of its net along u).

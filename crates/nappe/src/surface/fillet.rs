@@ -7,6 +7,7 @@ use crate::basis::{BSplineBasis, FunctionsRef};
 use crate::exact::{ConicArcs, NurbsSurface};
 use crate::frame::Frame;
 use crate::interval::Interval;
+use crate::significant;
 use glam::{DVec3, DVec4, Vec4Swizzles};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -17,12 +18,17 @@ const PARALLEL: f64 = 1e-12;
 /// Relative to the radius: how far a contact may lie beyond the end of its support by rounding.
 const BEYOND: f64 = 1e-9;
 
+fn ordinal(index: usize) -> &'static str {
+    ["first", "second"][index]
+}
+
 /// What can be wrong with a fillet.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FilletError {
     /// A support is neither a plane nor a circular cylinder.
     #[error(
-        "support {index} is neither a plane nor a circular cylinder: fillets are made between two planes, and between a plane and a cylinder"
+        "the {} surface is neither a plane nor a circular cylinder: fillets are made between two planes, and between a plane and a cylinder",
+        ordinal(*index)
     )]
     Support {
         /// 0 or 1.
@@ -35,7 +41,7 @@ pub enum FilletError {
     TwoCylinders,
     /// The planes do not meet.
     #[error(
-        "the planes are parallel (the sine of their angle is {sine:e}): they have no edge to fillet"
+        "the planes are parallel (the sine of their angle is {}): they have no edge to fillet", significant(*sine, 3)
     )]
     Parallel {
         /// The sine of the angle between them.
@@ -85,7 +91,8 @@ pub enum FilletError {
     },
     /// The supports do not extend to this side of their edge.
     #[error(
-        "support {index} does not extend to the side where the ball touches it: choose another side (+ is where its normals point)"
+        "the {} surface does not extend to the side where the ball touches it: choose another side (front is where its normals point)",
+        ordinal(*index)
     )]
     Side {
         /// 0 or 1.
