@@ -525,7 +525,7 @@ fn range([least, greatest]: &[Extreme; 2], round: f64) -> String {
     };
     // Rounding leaves a curvature of 1e-17 where 0 is meant.
     let finite = |x: f64| if x.is_finite() { x.abs() } else { 0.0 };
-    let size = finite(least.value).max(finite(greatest.value));
+    let size = finite(least.value).max(finite(greatest.value)).max(round);
     let place = |x: f64| {
         if x.is_infinite() {
             (if x > 0.0 { "∞" } else { "-∞" }).to_owned()
