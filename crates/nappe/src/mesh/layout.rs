@@ -10,6 +10,7 @@ use crate::breaks::Breaks;
 use crate::interval::Interval;
 use crate::surface::{Dir, Surface};
 use glam::DVec3;
+use std::collections::HashMap;
 
 /// The deepest bisection along one direction; deeper leaves would be as small as the rounding of parameters.
 const MAX_DEPTH: u32 = 30;
@@ -146,6 +147,49 @@ impl Verdict {
     }
 }
 
+type Judged = (Leaf, Verdict);
+
+/// Judges the leaves of one block, each once: what a split promises is asked of parts that come up again.
+struct Judge<'a> {
+    surface: &'a dyn Surface,
+    demand: &'a Demand,
+    /// The block along u and v.
+    range: [Interval; 2],
+    known: HashMap<[(u64, u32); 2], Verdict>,
+}
+
+impl Judge<'_> {
+    fn uv(&self, leaf: &Leaf) -> [Interval; 2] {
+        [0, 1].map(|d| leaf.parts[d].range(self.range[d]))
+    }
+
+    fn can_split(&self, leaf: &Leaf, d: usize) -> bool {
+        leaf.parts[d].can_split(self.range[d])
+    }
+
+    fn verdict(&mut self, leaf: &Leaf) -> Verdict {
+        let uv = self.uv(leaf);
+        let place = leaf.parts.map(|p| (p.k, p.depth));
+        let Judge {
+            surface, demand, ..
+        } = *self;
+        *self
+            .known
+            .entry(place)
+            .or_insert_with(|| judge(surface, leaf, uv, demand))
+    }
+
+    /// The halves of a leaf along a direction.
+    fn halves(&mut self, leaf: &Leaf, d: usize) -> (Judged, Judged) {
+        let [a, b] = leaf.parts[d].halves().map(|part| {
+            let mut l = *leaf;
+            l.parts[d] = part;
+            (l, self.verdict(&l))
+        });
+        (a, b)
+    }
+}
+
 fn judge(surface: &dyn Surface, leaf: &Leaf, uv: [Interval; 2], demand: &Demand) -> Verdict {
     let least = [0, 1].map(|d| (demand.least[d] / (1u64 << leaf.parts[d].depth) as f64).ceil());
     let jet = surface.enclose(uv, 2);
@@ -221,9 +265,6 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
         deviation: 0.0,
         proven: true,
     };
-    let range = |blocks: &[Vec<Interval>; 2], l: &Leaf| {
-        [0, 1].map(|d| l.parts[d].range(blocks[d][l.block[d]]))
-    };
     let mut cells = 0.0;
     for bu in 0..out.blocks[0].len() {
         for bv in 0..out.blocks[1].len() {
@@ -232,7 +273,13 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
                 parts: [Part::WHOLE; 2],
                 normal: None,
             };
-            let verdict = judge(surface, &whole, range(&out.blocks, &whole), demand);
+            let mut judge = Judge {
+                surface,
+                demand,
+                range: [out.blocks[0][bu], out.blocks[1][bv]],
+                known: HashMap::new(),
+            };
+            let verdict = judge.verdict(&whole);
             let mut stack = vec![(whole, verdict)];
             while let Some((leaf, verdict)) = stack.pop() {
                 let over = cells + stack.len() as f64;
@@ -242,7 +289,7 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
                         max: demand.max,
                     });
                 }
-                if let Some((a, b)) = split(surface, &leaf, &verdict, &out.blocks, demand) {
+                if let Some((a, b)) = split(&mut judge, &leaf, &verdict) {
                     stack.push(b);
                     stack.push(a);
                     continue;
@@ -279,49 +326,31 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
     Ok(out)
 }
 
-type Judged = (Leaf, Verdict);
-
 /// The two halves of a leaf if they need clearly fewer cells, or if nothing is proven about the whole.
-fn split(
-    surface: &dyn Surface,
-    leaf: &Leaf,
-    verdict: &Verdict,
-    blocks: &[Vec<Interval>; 2],
-    demand: &Demand,
-) -> Option<(Judged, Judged)> {
+fn split(judge: &mut Judge, leaf: &Leaf, verdict: &Verdict) -> Option<(Judged, Judged)> {
     if verdict.cost() <= FEW {
         return None;
     }
-    let can = [0, 1].map(|d| leaf.parts[d].can_split(blocks[d][leaf.block[d]]));
-    let uv = |l: &Leaf| [0, 1].map(|d| l.parts[d].range(blocks[d][l.block[d]]));
+    let can = [0, 1].map(|d| judge.can_split(leaf, d));
     if verdict.cells.is_none() && can == [true; 2] {
         // Nothing is known yet: the direction that samples say is bent more, but no very thin leaves.
         let [du, dv] = [0, 1].map(|d| leaf.parts[d].depth);
-        let bent_u =
-            sampled(surface, uv(leaf)).is_none_or(|jet| Bend::new(&jet, uv(leaf)).is_along_u());
+        let uv = judge.uv(leaf);
+        let bent_u = sampled(judge.surface, uv).is_none_or(|jet| Bend::new(&jet, uv).is_along_u());
         let d = usize::from(du >= dv + THIN || (!bent_u && dv < du + THIN));
-        let [a, b] = leaf.parts[d].halves().map(|part| {
-            let mut l = *leaf;
-            l.parts[d] = part;
-            (l, judge(surface, &l, uv(&l), demand))
-        });
-        return Some((a, b));
+        return Some(judge.halves(leaf, d));
     }
     let mut best: Option<(f64, f64, u32, (Judged, Judged))> = None;
     for d in 0..2 {
         if !can[d] {
             continue;
         }
-        let half = leaf.parts[d].halves().map(|part| {
-            let mut l = *leaf;
-            l.parts[d] = part;
-            (l, judge(surface, &l, uv(&l), demand))
-        });
-        let mut cost = half[0].1.cost() + half[1].1.cost();
+        let (a, b) = judge.halves(leaf, d);
+        let mut cost = a.1.cost() + b.1.cost();
         if cost > FEW {
-            cost = cost.min(promised(surface, leaf, d, blocks, demand));
+            cost = cost.min(promised(judge, leaf, d));
         }
-        let size = half[0].1.size.max(half[1].1.size);
+        let size = a.1.size.max(b.1.size);
         let depth = leaf.parts[d].depth;
         let better = match &best {
             None => true,
@@ -330,7 +359,7 @@ fn split(
                 .is_some_and(|o| o.is_lt()),
         };
         if better {
-            best = Some((cost, size, depth, (half[0], half[1])));
+            best = Some((cost, size, depth, (a, b)));
         }
     }
     let (cost, _, _, halves) = best?;
@@ -340,21 +369,14 @@ fn split(
 /// The number of cells to be expected after a split along `d` and some more, if the smaller parts, one on the way down,
 /// are like all others. One split alone may not be worth it where the second derivatives of a large piece vary in all
 /// its parts alike, or where only small pieces have a plane to slide in.
-fn promised(
-    surface: &dyn Surface,
-    leaf: &Leaf,
-    mut d: usize,
-    blocks: &[Vec<Interval>; 2],
-    demand: &Demand,
-) -> f64 {
+fn promised(judge: &mut Judge, leaf: &Leaf, mut d: usize) -> f64 {
     let mut leaf = *leaf;
     let mut parts = 1.0;
     let mut best = f64::INFINITY;
-    while leaf.parts[d].can_split(blocks[d][leaf.block[d]]) {
+    while judge.can_split(&leaf, d) {
         // Lower and upper halves in turn: parts from all over the piece.
         leaf.parts[d] = leaf.parts[d].halves()[usize::from(leaf.parts[d].depth.is_multiple_of(2))];
-        let uv = [0, 1].map(|d| leaf.parts[d].range(blocks[d][leaf.block[d]]));
-        let at = judge(surface, &leaf, uv, demand);
+        let at = judge.verdict(&leaf);
         parts *= 2.0;
         best = best.min(parts * at.cost());
         let Some([n, m]) = at.cells.filter(|_| at.cost() > PROBED) else {
