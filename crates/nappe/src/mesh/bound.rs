@@ -81,11 +81,6 @@ impl Bend {
         }
     }
 
-    /// True if the surface is bent more along u than along v.
-    pub(super) fn is_along_u(&self) -> bool {
-        self.across[0].mag() >= self.across[2].mag()
-    }
-
     /// The bound for the cells of an n × m grid.
     pub(super) fn deviation(&self, n: f64, m: f64) -> f64 {
         let (a, b) = (1.0 / n + self.grain[0], 1.0 / m + self.grain[1]);

@@ -1,99 +1,57 @@
-//! The division of a surface's domain into leaves, each a uniform grid of cells that keeps the tolerance.
+//! The division of a surface's domain into triangles of the plane of its parameters.
 //!
-//! The domain is cut where the surface is not C¹, then bisected as long as that saves cells, because second
-//! derivatives vary or because their enclosure is loose. Cells are long where the surface bends little.
+//! The domain is cut where the surface is not C¹. Each of these blocks gets a net of lines (`roots`), and each of their
+//! cells is bisected (`bisection`) as often as the bound of its squares says (`partners`), unless the whole block is proven
+//! as a grid (`bound`, `slide`).
 
+use super::bisection::{Bisection, DEPTH, Square};
 use super::bound::{Bend, sampled};
+use super::lines::index;
 use super::options::MeshError;
+use super::partners::{Bound, Place, bounds};
+use super::roots::{Roots, roots};
 use super::slide::slide;
+use crate::box3::Box3;
 use crate::breaks::Breaks;
 use crate::interval::Interval;
-use crate::surface::{Dir, Surface};
+use crate::surface::{Corner, Dir, Side, Surface};
 use glam::DVec3;
-use std::collections::HashMap;
 
-/// The deepest bisection along one direction; deeper leaves would be as small as the rounding of parameters.
-const MAX_DEPTH: u32 = 30;
-/// Bisections after which a surface that cannot bound its position is sampled. Fewer, and surfaces whose enclosures are
-/// merely loose over large rectangles are not proven; more, and surfaces that never bound themselves cost much.
-const PATIENCE: u32 = 8;
-/// A split is worth its enclosures if it leaves at most this share of the cells.
-const GAIN: f64 = 0.8;
-/// How many bisections one direction may be ahead of the other while nothing can be proven.
-const THIN: u32 = 4;
-/// A leaf with so few cells is not split.
+/// Squares deeper than this would be as small as the rounding of parameters.
+const MAX_DEPTH: u32 = DEPTH - 4;
+/// The depth at which a surface that cannot bound its position is sampled. Less, and surfaces whose enclosures are merely
+/// loose over large rectangles are not proven; more, and surfaces that never bound themselves cost much.
+const PATIENCE: u32 = 4;
+/// A square whose bound has at most this share from the variation of its derivatives is not looked at more closely.
+const LOOSE: f64 = 0.2;
+/// A grid with so few cells needs no sharper bound.
 const FEW: f64 = 2.0;
-/// A part with so few cells says no more about what smaller parts would save.
-const PROBED: f64 = 8.0;
 
-/// A dyadic part of a block along one direction, cut into equal cells.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Part {
-    /// The index of the part among 2^depth.
-    k: u64,
-    depth: u32,
-    /// The number of cells.
-    pub(super) n: usize,
-}
+/// A range of parameters that is cut into equal parts.
+#[derive(Clone, Copy)]
+pub(super) struct Range(Interval);
 
-impl Part {
-    const WHOLE: Part = Part {
-        k: 0,
-        depth: 0,
-        n: 1,
-    };
-
-    fn halves(self) -> [Part; 2] {
-        [0, 1].map(|h| Part {
-            k: 2 * self.k + h,
-            depth: self.depth + 1,
-            n: 1,
-        })
+impl Range {
+    pub(super) fn new(range: Interval) -> Self {
+        Self(range)
     }
 
-    /// The i-th parameter. Equal fractions give equal numbers, since numerator and denominator are exact and the
-    /// division is correctly rounded: neighbours agree on the parameters they share.
-    pub(super) fn at(self, block: Interval, i: usize) -> f64 {
-        let p = self.k * self.n as u64 + i as u64;
-        let q = (1u64 << self.depth) * self.n as u64;
-        if p == 0 {
-            block.lo
-        } else if p == q {
-            block.hi
-        } else {
-            let t = p as f64 / q as f64;
-            (block.lo + (block.hi - block.lo) * t).clamp(block.lo, block.hi)
-        }
+    /// `n` parts. Equal fractions give equal parameters, since a division is correctly rounded: neighbours agree on those
+    /// that they share.
+    pub(super) fn parts(self, n: usize) -> Vec<Interval> {
+        let Self(r) = self;
+        let at = |i: usize| match i {
+            0 => r.lo,
+            _ if i == n => r.hi,
+            _ => (r.lo + (r.hi - r.lo) * (i as f64 / n as f64)).clamp(r.lo, r.hi),
+        };
+        let parts = (0..n).map(|i| Interval {
+            lo: at(i),
+            hi: at(i + 1),
+        });
+        // Parts as small as rounding are none.
+        parts.filter(|p| p.lo < p.hi).collect()
     }
-
-    /// All parameters, ends included.
-    pub(super) fn params(self, block: Interval) -> Vec<f64> {
-        (0..=self.n).map(|i| self.at(block, i)).collect()
-    }
-
-    fn range(self, block: Interval) -> Interval {
-        let whole = Part { n: 1, ..self };
-        Interval {
-            lo: whole.at(block, 0),
-            hi: whole.at(block, 1),
-        }
-    }
-
-    fn can_split(self, block: Interval) -> bool {
-        let r = self.range(block);
-        let m = self.halves()[1].at(block, 0);
-        self.depth < MAX_DEPTH && r.lo < m && m < r.hi
-    }
-}
-
-/// A rectangle of parameters with a grid of cells.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Leaf {
-    /// The block along u and v.
-    pub(super) block: [usize; 2],
-    pub(super) parts: [Part; 2],
-    /// The normal around which its triangles must be counter-clockwise, where the bound needs that.
-    pub(super) normal: Option<DVec3>,
 }
 
 /// The division of one surface.
@@ -101,23 +59,56 @@ pub(super) struct Leaf {
 pub(super) struct Layout {
     /// The parts of the domain along u and v between corners of the surface.
     pub(super) blocks: [Vec<Interval>; 2],
-    pub(super) leaves: Vec<Leaf>,
+    /// The number of the first line of each block, and of the last line.
+    pub(super) first: [Vec<usize>; 2],
+    pub(super) net: Bisection,
+    /// For each block (v fastest) the normal around which its triangles must be counter-clockwise, where the bound needs
+    /// that.
+    pub(super) normals: Vec<Option<DVec3>>,
     /// The deviation of the mesh whose points lie on the surface.
     pub(super) deviation: f64,
     pub(super) proven: bool,
 }
 
 impl Layout {
-    /// The number of triangles without those that neighbours add.
+    /// About the number of triangles.
     pub(super) fn triangles(&self) -> usize {
-        self.leaves
-            .iter()
-            .map(|l| 2 * l.parts[0].n * l.parts[1].n)
-            .sum()
+        2 * self.net.places.len()
     }
 }
 
-/// What one leaf must keep to.
+impl Layout {
+    /// Puts a vertex into the middle of each cell at a corner of the domain where a triangle would have further vertices on
+    /// two sides, or where `pinched` (by [`Corner`]) says that no triangle may have all its corners on sides. `is_open` is
+    /// true for a side with further vertices between two parameters, and for one that is one point.
+    pub(super) fn open_corners(
+        &mut self,
+        pinched: [bool; 4],
+        is_open: impl Fn(Side, [f64; 2]) -> bool,
+    ) {
+        let cells = self.net.cells();
+        for (corner, pinched) in Corner::ALL.into_iter().zip(pinched) {
+            let ends = corner.ends();
+            let cell = [0, 1].map(|d| ends[d] * (cells[d] - 1));
+            let lines = &self.net.lines;
+            // The right angle of a triangle is there where the number of lines is odd.
+            let right_angle = !(ends[0] * cells[0] + ends[1] * cells[1]).is_multiple_of(2);
+            let open = |side: Side| {
+                let d = index(side.along());
+                is_open(side, [lines[d][cell[d]], lines[d][cell[d] + 1]])
+            };
+            let sides = [
+                [Side::South, Side::North][ends[1]],
+                [Side::West, Side::East][ends[0]],
+            ];
+            if pinched || (right_angle && sides.into_iter().all(open)) {
+                self.net.add(Square::cell(cell).centre());
+            }
+        }
+    }
+}
+
+/// What one surface must keep to.
 pub(super) struct Demand {
     /// The surface's index, for messages.
     pub(super) surface: usize,
@@ -126,114 +117,33 @@ pub(super) struct Demand {
     pub(super) least: [f64; 2],
     /// The largest number of triangles.
     pub(super) max: usize,
-    /// True if only partners with the same parameters may be compared, so that the triangles may turn anyhow.
+    /// True if only partners with the same parameters may be compared over blocks, so that the triangles may turn anyhow.
     pub(super) plain: bool,
 }
 
-/// What is known about a leaf.
-#[derive(Clone, Copy)]
-struct Verdict {
-    cells: Option<[f64; 2]>,
-    deviation: f64,
-    /// The size of the piece of surface.
-    size: f64,
-    proven: bool,
-    normal: Option<DVec3>,
-}
-
-impl Verdict {
-    fn cost(&self) -> f64 {
-        self.cells.map_or(f64::INFINITY, |[n, m]| n * m)
-    }
-}
-
-type Judged = (Leaf, Verdict);
-
-/// Judges the leaves of one block, each once: what a split promises is asked of parts that come up again.
-struct Judge<'a> {
-    surface: &'a dyn Surface,
-    demand: &'a Demand,
-    /// The block along u and v.
-    range: [Interval; 2],
-    known: HashMap<[(u64, u32); 2], Verdict>,
-}
-
-impl Judge<'_> {
-    fn uv(&self, leaf: &Leaf) -> [Interval; 2] {
-        [0, 1].map(|d| leaf.parts[d].range(self.range[d]))
-    }
-
-    fn can_split(&self, leaf: &Leaf, d: usize) -> bool {
-        leaf.parts[d].can_split(self.range[d])
-    }
-
-    fn verdict(&mut self, leaf: &Leaf) -> Verdict {
-        let uv = self.uv(leaf);
-        let place = leaf.parts.map(|p| (p.k, p.depth));
-        let Judge {
-            surface, demand, ..
-        } = *self;
-        *self
-            .known
-            .entry(place)
-            .or_insert_with(|| judge(surface, leaf, uv, demand))
-    }
-
-    /// The halves of a leaf along a direction.
-    fn halves(&mut self, leaf: &Leaf, d: usize) -> (Judged, Judged) {
-        let [a, b] = leaf.parts[d].halves().map(|part| {
-            let mut l = *leaf;
-            l.parts[d] = part;
-            (l, self.verdict(&l))
-        });
-        (a, b)
-    }
-}
-
-fn judge(surface: &dyn Surface, leaf: &Leaf, uv: [Interval; 2], demand: &Demand) -> Verdict {
-    let least = [0, 1].map(|d| (demand.least[d] / (1u64 << leaf.parts[d].depth) as f64).ceil());
+/// The bound for uniform grids over a block, and the cells of the smallest that keeps the tolerance.
+pub(super) fn grid_bound(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    demand: &Demand,
+) -> Option<(Bend, [f64; 2])> {
     let jet = surface.enclose(uv, 2);
-    let depth = leaf.parts[0].depth + leaf.parts[1].depth;
-    let (jet, proven, size) = if jet[0].is_finite() {
-        let size = jet[0].diagonal();
-        (Some(jet), true, size)
-    } else if depth < PATIENCE {
-        (None, true, f64::INFINITY)
-    } else {
-        (sampled(surface, uv), false, f64::INFINITY)
-    };
-    if size <= demand.tol {
-        // All points of the leaf are that close to each other, whatever the derivatives.
-        return Verdict {
-            cells: Some(least),
-            deviation: size,
-            size,
-            proven,
-            normal: None,
-        };
+    if !jet[0].is_finite() {
+        return None;
     }
-    let grid = |bend: Bend| Some((bend.cells(demand.tol, least)?, bend));
-    let cells = |found: &Option<([f64; 2], Bend)>| found.map_or(f64::INFINITY, |([n, m], _)| n * m);
-    let mut found = None;
-    if let Some(jet) = jet {
-        let plain = Bend::new(&jet, uv);
-        found = grid(plain);
-        // The sharper bound is worth its enclosures if it could save cells.
-        if proven && !demand.plain && cells(&found) > FEW {
-            let worth = |bend: &Bend| cells(&grid(*bend)) < cells(&found);
-            let sharper = slide(surface, uv, &jet, &plain, demand.tol, worth).and_then(grid);
-            if cells(&sharper) < cells(&found) {
-                found = sharper;
-            }
+    let grid = |bend: Bend| Some((bend, bend.cells(demand.tol, demand.least)?));
+    let cells = |found: &Option<(Bend, [f64; 2])>| found.map_or(f64::INFINITY, |(_, [n, m])| n * m);
+    let plain = Bend::new(&jet, uv);
+    let mut found = grid(plain);
+    // The sharper bound is worth its enclosures if it could save cells.
+    if !demand.plain && cells(&found) > FEW {
+        let worth = |bend: &Bend| cells(&grid(*bend)) < cells(&found);
+        let sharper = slide(surface, uv, &jet, &plain, demand.tol, worth).and_then(grid);
+        if cells(&sharper) < cells(&found) {
+            found = sharper;
         }
     }
-    Verdict {
-        cells: found.map(|(cells, _)| cells),
-        deviation: found.map_or(f64::INFINITY, |([n, m], bend)| bend.deviation(n, m)),
-        size,
-        proven,
-        normal: found.and_then(|(_, bend)| bend.normal),
-    }
+    found
 }
 
 /// Cuts the domain along a direction where the surface is not C¹.
@@ -259,130 +169,196 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
         blocks(surface, Dir::U, demand.surface)?,
         blocks(surface, Dir::V, demand.surface)?,
     ];
-    let mut out = Layout {
-        blocks,
-        leaves: Vec::new(),
-        deviation: 0.0,
-        proven: true,
+    let Roots { lines, grids } = roots(surface, &blocks, demand);
+    let first = [0, 1].map(|d| {
+        let ends = blocks[d]
+            .iter()
+            .map(|b| b.lo)
+            .chain(blocks[d].last().map(|b| b.hi));
+        ends.map(|at| lines[d].partition_point(|&t| t < at))
+            .collect()
+    });
+    demand.allows(2.0 * lines[0].len() as f64 * lines[1].len() as f64)?;
+    let mut work = Work {
+        surface,
+        demand,
+        block: [Interval::ZERO; 2],
+        out: Layout {
+            blocks,
+            first,
+            net: Bisection::new(lines),
+            normals: grids
+                .iter()
+                .map(|g| g.and_then(|bend| bend.normal))
+                .collect(),
+            deviation: 0.0,
+            proven: true,
+        },
     };
-    let mut cells = 0.0;
-    for bu in 0..out.blocks[0].len() {
-        for bv in 0..out.blocks[1].len() {
-            let whole = Leaf {
-                block: [bu, bv],
-                parts: [Part::WHOLE; 2],
-                normal: None,
-            };
-            let mut judge = Judge {
-                surface,
-                demand,
-                range: [out.blocks[0][bu], out.blocks[1][bv]],
-                known: HashMap::new(),
-            };
-            let verdict = judge.verdict(&whole);
-            let mut stack = vec![(whole, verdict)];
-            while let Some((leaf, verdict)) = stack.pop() {
-                let over = cells + stack.len() as f64;
-                if 2.0 * over > demand.max as f64 {
-                    return Err(MeshError::TooMany {
-                        needed: 2.0 * over,
-                        max: demand.max,
-                    });
+    let [nu, nv] = [0, 1].map(|d| work.out.blocks[d].len());
+    for (i, j) in (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j))) {
+        work.block([i, j], grids[i * nv + j])?;
+    }
+    Ok(work.out)
+}
+
+impl Demand {
+    fn allows(&self, triangles: f64) -> Result<(), MeshError> {
+        if triangles > self.max as f64 {
+            return Err(MeshError::TooMany {
+                needed: triangles,
+                max: self.max,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// A layout in the making.
+struct Work<'a> {
+    surface: &'a dyn Surface,
+    demand: &'a Demand,
+    /// The block at hand.
+    block: [Interval; 2],
+    out: Layout,
+}
+
+impl Work<'_> {
+    fn block(&mut self, at: [usize; 2], grid: Option<Bend>) -> Result<(), MeshError> {
+        self.block = [0, 1].map(|d| self.out.blocks[d][at[d]]);
+        let cells = [0, 1].map(|d| self.out.first[d][at[d]]..self.out.first[d][at[d] + 1]);
+        if let Some(bend) = grid {
+            let most = [0, 1].map(|d| {
+                let lines = &self.out.net.lines[d][cells[d].start..=cells[d].end];
+                let widest = lines.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+                self.block[d].width() / widest
+            });
+            let deviation = bend.deviation(most[0], most[1]);
+            if deviation <= self.demand.tol {
+                self.out.deviation = self.out.deviation.max(deviation);
+                return Ok(());
+            }
+            self.out.normals[at[0] * self.out.blocks[1].len() + at[1]] = None;
+        }
+        for i in cells[0].clone() {
+            for j in cells[1].clone() {
+                let mut open = vec![Square::cell([i, j])];
+                while let Some(square) = open.pop() {
+                    self.square(square, &mut open)?;
                 }
-                if let Some((a, b)) = split(&mut judge, &leaf, &verdict) {
-                    stack.push(b);
-                    stack.push(a);
-                    continue;
-                }
-                let (n, deviation, proven) = match verdict.cells {
-                    Some(n) => (n, verdict.deviation, verdict.proven),
-                    // Nothing can be said, even about the smallest leaf.
-                    None => ([1.0; 2], verdict.size, false),
-                };
-                cells += n[0] * n[1];
-                out.proven &= proven;
-                if deviation.is_finite() {
-                    out.deviation = out.deviation.max(deviation);
-                }
-                let parts = [0, 1].map(|d| Part {
-                    n: n[d] as usize,
-                    ..leaf.parts[d]
-                });
-                let normal = verdict.normal;
-                out.leaves.push(Leaf {
-                    parts,
-                    normal,
-                    ..leaf
-                });
             }
         }
+        Ok(())
     }
-    if 2.0 * cells > demand.max as f64 {
-        return Err(MeshError::TooMany {
-            needed: 2.0 * cells,
-            max: demand.max,
-        });
+
+    /// Refines a square, or leaves that to its children.
+    fn square(&mut self, square: Square, open: &mut Vec<Square>) -> Result<(), MeshError> {
+        let (lower, upper) = (
+            self.out.net.uv(square.corner),
+            self.out.net.uv(square.upper()),
+        );
+        let place = Place {
+            uv: [0, 1].map(|d| Interval {
+                lo: lower[d],
+                hi: upper[d],
+            }),
+            block: self.block,
+        };
+        let judged = self.judge(&place, square.depth);
+        let deeper = square.depth < MAX_DEPTH
+            && place.uv.iter().all(|r| {
+                let middle = r.lo + 0.5 * r.width();
+                r.lo < middle && middle < r.hi
+            });
+        let level = match judged.level {
+            Some(level) if level <= 1 || judged.loose <= LOOSE || !deeper => level,
+            _ if deeper => {
+                self.out.net.refine(square, 2);
+                open.extend(square.children());
+                return self.demand.allows(self.out.triangles() as f64);
+            }
+            // Nothing can be said, even about the smallest square.
+            _ => {
+                self.out.proven = false;
+                0
+            }
+        };
+        self.demand.allows((2.0f64).powi(level as i32 + 1))?;
+        self.out
+            .net
+            .refine(square, level.min(2 * (DEPTH - square.depth)));
+        self.out.proven &= judged.proven;
+        if judged.deviation.is_finite() {
+            self.out.deviation = self.out.deviation.max(judged.deviation);
+        }
+        self.demand.allows(self.out.triangles() as f64)
     }
-    Ok(out)
+
+    fn judge(&self, place: &Place, depth: u32) -> Judged {
+        let jet: Vec<Box3> = self.surface.enclose(place.surroundings(), 2);
+        let (jet, proven) = if jet[0].is_finite() {
+            (jet, true)
+        } else if depth < PATIENCE {
+            return Judged::UNKNOWN;
+        } else {
+            match sampled(self.surface, place.uv) {
+                Some(jet) => (jet, false),
+                None => return Judged::UNKNOWN,
+            }
+        };
+        let (tol, size) = (self.demand.tol, jet[0].diagonal());
+        if proven && size <= tol {
+            // All points are that close to each other, whatever the derivatives.
+            return Judged {
+                level: Some(0),
+                deviation: size,
+                loose: 0.0,
+                proven,
+            };
+        }
+        let grain = place
+            .uv
+            .iter()
+            .map(|r| 2.0 * f64::EPSILON * r.mag() / r.width());
+        let grain = grain.fold(0.0, f64::max);
+        let of = |b: &Bound| {
+            let level = b.level(tol, grain)?;
+            Some((level, b.deviation(level, grain), b.loose))
+        };
+        bounds(self.surface, place, &jet, proven, tol)
+            .iter()
+            .filter_map(of)
+            .min_by(|a, b| a.0.cmp(&b.0).then(a.2.total_cmp(&b.2)))
+            .map_or(
+                Judged {
+                    proven,
+                    ..Judged::UNKNOWN
+                },
+                |(level, deviation, loose)| Judged {
+                    level: Some(level),
+                    deviation,
+                    loose,
+                    proven,
+                },
+            )
+    }
 }
 
-/// The two halves of a leaf if they need clearly fewer cells, or if nothing is proven about the whole.
-fn split(judge: &mut Judge, leaf: &Leaf, verdict: &Verdict) -> Option<(Judged, Judged)> {
-    if verdict.cost() <= FEW {
-        return None;
-    }
-    let can = [0, 1].map(|d| judge.can_split(leaf, d));
-    if verdict.cells.is_none() && can == [true; 2] {
-        // Nothing is known yet: the direction that samples say is bent more, but no very thin leaves.
-        let [du, dv] = [0, 1].map(|d| leaf.parts[d].depth);
-        let uv = judge.uv(leaf);
-        let bent_u = sampled(judge.surface, uv).is_none_or(|jet| Bend::new(&jet, uv).is_along_u());
-        let d = usize::from(du >= dv + THIN || (!bent_u && dv < du + THIN));
-        return Some(judge.halves(leaf, d));
-    }
-    let mut best: Option<(f64, f64, u32, (Judged, Judged))> = None;
-    for d in 0..2 {
-        if !can[d] {
-            continue;
-        }
-        let (a, b) = judge.halves(leaf, d);
-        let mut cost = a.1.cost() + b.1.cost();
-        if cost > FEW {
-            cost = cost.min(promised(judge, leaf, d));
-        }
-        let size = a.1.size.max(b.1.size);
-        let depth = leaf.parts[d].depth;
-        let better = match &best {
-            None => true,
-            Some((c, s, n, _)) => (cost, size, depth)
-                .partial_cmp(&(*c, *s, *n))
-                .is_some_and(|o| o.is_lt()),
-        };
-        if better {
-            best = Some((cost, size, depth, (a, b)));
-        }
-    }
-    let (cost, _, _, halves) = best?;
-    (verdict.cells.is_none() || cost <= GAIN * verdict.cost()).then_some(halves)
+/// What is known about a square.
+struct Judged {
+    /// The bisections that it needs.
+    level: Option<u32>,
+    deviation: f64,
+    /// The share of the bound that smaller squares would save.
+    loose: f64,
+    proven: bool,
 }
 
-/// The number of cells to be expected after a split along `d` and some more, if the smaller parts, one on the way down,
-/// are like all others. One split alone may not be worth it where the second derivatives of a large piece vary in all
-/// its parts alike, or where only small pieces have a plane to slide in.
-fn promised(judge: &mut Judge, leaf: &Leaf, mut d: usize) -> f64 {
-    let mut leaf = *leaf;
-    let mut parts = 1.0;
-    let mut best = f64::INFINITY;
-    while judge.can_split(&leaf, d) {
-        // Lower and upper halves in turn: parts from all over the piece.
-        leaf.parts[d] = leaf.parts[d].halves()[usize::from(leaf.parts[d].depth.is_multiple_of(2))];
-        let at = judge.verdict(&leaf);
-        parts *= 2.0;
-        best = best.min(parts * at.cost());
-        let Some([n, m]) = at.cells.filter(|_| at.cost() > PROBED) else {
-            break;
-        };
-        d = usize::from(m > n);
-    }
-    best
+impl Judged {
+    const UNKNOWN: Self = Self {
+        level: None,
+        deviation: f64::INFINITY,
+        loose: 1.0,
+        proven: false,
+    };
 }

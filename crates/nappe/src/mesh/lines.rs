@@ -1,61 +1,51 @@
-//! The vertices on the borders of leaves: neighbours share them.
+//! The vertices on the sides of a surface: neighbours share them.
 
 use super::layout::Layout;
 use crate::surface::{Dir, Side};
-use std::collections::HashMap;
 
 /// A parameter pair as a key.
 pub(super) type Key = [u64; 2];
 
-/// Equal numbers, equal bits: -0 is 0.
-fn bits(x: f64) -> u64 {
-    (x + 0.0).to_bits()
-}
-
 pub(super) fn key(uv: [f64; 2]) -> Key {
-    uv.map(bits)
+    // Equal numbers, equal bits: -0 is 0.
+    uv.map(|x| (x + 0.0).to_bits())
 }
 
-/// For each line `u = const` (index 0) or `v = const` (index 1) along which leaves meet: the other parameter of every
-/// vertex on it, increasing.
+/// For each side the parameters along it of every vertex on it, increasing.
 #[derive(Debug, Default)]
-pub(super) struct Lines([HashMap<u64, Vec<f64>>; 2]);
+pub(super) struct Lines([Vec<f64>; 4]);
 
 impl Lines {
-    /// The corners of cells on the borders of leaves.
     pub(super) fn new(layout: &Layout) -> Self {
-        let mut lines = Self::default();
-        for leaf in &layout.leaves {
-            let params = [0, 1].map(|d| leaf.parts[d].params(layout.blocks[d][leaf.block[d]]));
-            for d in 0..2 {
-                let along = &params[1 - d];
-                for at in [params[d][0], params[d][params[d].len() - 1]] {
-                    lines.0[d].entry(bits(at)).or_default().extend(along);
-                }
-            }
-        }
-        for line in lines.0.iter_mut().flat_map(HashMap::values_mut) {
+        let net = &layout.net;
+        Self(Side::ALL.map(|side| {
+            let (along, across) = (index(side.along()), index(side.across()));
+            let at = if side.is_upper() {
+                net.last()[across]
+            } else {
+                0
+            };
+            let on = net.places.iter().filter(|p| p[across] == at);
+            let mut line: Vec<f64> = on.map(|p| net.param(along, p[along])).collect();
             line.sort_by(f64::total_cmp);
             line.dedup();
-        }
-        lines
+            line
+        }))
     }
 
-    /// Replaces the vertices along a side at the parameter `at`.
-    pub(super) fn set(&mut self, side: Side, at: f64, params: Vec<f64>) {
-        self.0[index(side.across())].insert(bits(at), params);
+    /// Replaces the vertices along a side.
+    pub(super) fn set(&mut self, side: Side, params: Vec<f64>) {
+        self.0[side as usize] = params;
     }
 
-    /// All vertices on the line where the parameter `across` is `at`.
-    pub(super) fn on(&self, across: Dir, at: f64) -> &[f64] {
-        self.0[index(across)]
-            .get(&bits(at))
-            .map_or(&[], Vec::as_slice)
+    /// All vertices on a side.
+    pub(super) fn on(&self, side: Side) -> &[f64] {
+        &self.0[side as usize]
     }
 
-    /// The vertices strictly between two others on a line.
-    pub(super) fn between(&self, across: Dir, at: f64, from: f64, to: f64) -> &[f64] {
-        let line = self.on(across, at);
+    /// The vertices strictly between two others on a side.
+    pub(super) fn between(&self, side: Side, from: f64, to: f64) -> &[f64] {
+        let line = self.on(side);
         let first = line.partition_point(|&t| t <= from);
         let last = line.partition_point(|&t| t < to);
         &line[first..last.max(first)]

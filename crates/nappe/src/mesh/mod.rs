@@ -3,14 +3,15 @@
 //! A mesh is made in four steps, one file each:
 //!
 //! 1. `shared`: which sides of the surfaces are the same curve, which are one point;
-//! 2. `layout`: each domain is divided into leaves with uniform grids, so that the bound of `bound` proves the tolerance;
+//! 2. `layout`: each domain is cut into triangles by a net of lines (`roots`) and `bisection`, until bounds prove the
+//!    tolerance: those of `partners` for squares, those of `bound` and `slide` for a grid over a whole smooth block;
 //! 3. `stitch`: the vertices on a shared side are the union of what its surfaces ask for, as points of the first of them;
-//! 4. `patch`: each cell is cut into triangles (`zip`) that also take in the vertices of finer neighbours.
+//! 4. `patch`: the triangles get their vertices, and those on a side also take in what other surfaces asked for.
 //!
 //! The layout and the triangles of different surfaces are independent of each other.
 
 use crate::breaks::Breaks;
-use crate::surface::{Dir, Surface, SurfaceRef};
+use crate::surface::{Dir, Side, Surface, SurfaceRef};
 use glam::DVec3;
 use layout::{Demand, Layout, layout};
 use lines::Lines;
@@ -18,6 +19,7 @@ use patch::{Builder, Collapsed};
 use shared::Edge;
 use std::collections::HashMap;
 
+mod bisection;
 mod bound;
 pub(crate) mod closing;
 mod flatten;
@@ -26,11 +28,12 @@ mod layout;
 mod lines;
 mod options;
 mod partial;
+mod partners;
 mod patch;
+mod roots;
 pub(crate) mod shared;
 mod slide;
 mod stitch;
-mod zip;
 
 pub use flatten::{FlatCurve, FlattenError, flatten};
 pub use joints::{Joint, Joints, joints};
@@ -246,7 +249,7 @@ impl Task<'_> {
             weld,
             ..
         } = *self;
-        let layouts = self.layouts(plain)?;
+        let mut layouts = self.layouts(plain)?;
         let mut lines: Vec<Lines> = layouts.iter().map(Lines::new).collect();
         let mut points = Vec::new();
         let mut borders = stitch::stitch(surfaces, &self.shared, weld, &mut lines, &mut points);
@@ -262,6 +265,10 @@ impl Task<'_> {
         let mut again = false;
         let mut patches = Vec::with_capacity(surfaces.len());
         for (i, border) in borders.into_iter().enumerate() {
+            let sides = Side::ALL.map(|s| Edge::new(surfaces[i].as_ref(), s).is_collapsed(weld));
+            layouts[i].open_corners(self.shared.pinched(i), |side, [from, to]| {
+                sides[side as usize] || !lines[i].between(side, from, to).is_empty()
+            });
             let layout = &layouts[i];
             let mut builder = Builder {
                 index: i,
@@ -276,15 +283,13 @@ impl Task<'_> {
                         point: border.get(&lines::key(edge.uv(edge.range.lo))).copied(),
                     })
                     .collect(),
-                on_lines: border,
+                on_sides: border,
                 points: &mut points,
-                vertex_of: HashMap::new(),
                 patch: MeshPatch {
                     vertices: Vec::new(),
                     triangles: Vec::new(),
                     deviation: Certainty::Exact,
                 },
-                pinched: self.shared.pinched(i),
                 gap: 0.0,
                 rounding: self.rounding[i],
                 turned_over: false,

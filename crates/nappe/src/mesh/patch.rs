@@ -1,34 +1,28 @@
 //! The triangles of one surface.
 //!
-//! On a collapsed line (a side, or a corner line inside that lies on an axis) many vertices share one point. Triangles with two corners there have no area and are left out:
-//! what they would cover in space is an edge of a triangle beside them. Each remaining triangle gets its own vertex at
-//! that point, with the normal of the middle of its opposite edge, so that the tip of a cone is shaded like its flank.
+//! On a collapsed line (a side, or a corner line inside that lies on an axis) many vertices share one point. Triangles with
+//! two corners there have no area and are left out: what they would cover in space is an edge of a triangle beside them.
+//! Each remaining triangle gets its own vertex at that point, with the normal of the middle of its opposite edge, so that
+//! the tip of a cone is shaded like its flank.
 
-use super::layout::{Layout, Leaf};
-use super::lines::{Key, Lines, key};
+use super::bisection::Place;
+use super::layout::Layout;
+use super::lines::{Key, Lines, index, key};
 use super::options::MeshError;
 use super::slide::is_turned;
-use super::zip::Cell;
 use super::{MeshPatch, MeshVertex};
 use crate::breaks::Limit;
 use crate::interval::Interval;
-use crate::surface::{Corner, Dir, Side, Surface, normal_at};
+use crate::surface::{Side, Surface, jet_len, normal_at, normal_from};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Marks the number of a vertex on a collapsed line, until its triangle is known.
-const POLE: u32 = 1 << 31;
-/// Shares of the way to the middle of a leaf at which a normal is looked for where not even a limit exists.
+/// Shares of the way to the middle of a triangle at which a normal is looked for where not even a limit exists.
 const INWARD: [f64; 4] = [1e-6, 1e-4, 1e-2, 0.5];
-
-/// A vertex on a collapsed line.
-#[derive(Clone, Copy)]
-struct Pole {
-    point: u32,
-    uv: [f64; 2],
-    /// The parameter that runs along the collapsed line: 0 for u, 1 for v.
-    along: usize,
-}
+/// From so many vertices on, the preparations of a list are worth while.
+const LIST: usize = 4096;
+/// A vertex that has no number yet.
+const NONE: u32 = u32::MAX;
 
 /// A line of constant parameter that is one point.
 pub(super) struct Collapsed {
@@ -46,14 +40,10 @@ pub(super) struct Builder<'a> {
     pub(super) lines: &'a Lines,
     /// The lines that are one point each.
     pub(super) collapsed: Vec<Collapsed>,
-    /// The points on the borders of leaves.
-    pub(super) on_lines: HashMap<Key, u32>,
+    /// The points on the sides.
+    pub(super) on_sides: HashMap<Key, u32>,
     pub(super) points: &'a mut Vec<DVec3>,
-    /// The vertices on the borders of leaves, one for each block: blocks differ in the normal.
-    pub(super) vertex_of: HashMap<([usize; 2], Key), u32>,
     pub(super) patch: MeshPatch,
-    /// The corners of the domain whose triangle may not be made, see [`Shared::pinched`](super::shared::Shared::pinched).
-    pub(super) pinched: [bool; 4],
     /// The largest distance of a vertex' point from the surface.
     pub(super) gap: f64,
     /// The rounding errors of points.
@@ -62,263 +52,253 @@ pub(super) struct Builder<'a> {
     pub(super) turned_over: bool,
 }
 
-/// What is known about the leaf being worked on.
-struct Place {
-    block: [usize; 2],
+/// A corner of a triangle.
+#[derive(Clone, Copy)]
+struct Spot {
+    uv: [f64; 2],
+    point: u32,
+    /// The parameter along the collapsed line that it lies on.
+    tip: Option<usize>,
+    /// The number of the vertex of the net; further ones on a side belong to one triangle edge alone.
+    number: Option<u32>,
+}
+
+/// What is known about the block being worked on.
+struct Work {
     range: [Interval; 2],
-    middle: [f64; 2],
     /// The normal around which the triangles must be counter-clockwise, if any.
     normal: Option<DVec3>,
+    /// Parameters and points of all vertices of the net.
+    spots: Vec<Spot>,
+    /// The derivatives there.
+    jets: Vec<[DVec3; 3]>,
+    /// The vertices of the patch.
+    vertices: Vec<u32>,
 }
 
 impl Builder<'_> {
     /// Makes all triangles.
     pub(super) fn run(&mut self) -> Result<(), MeshError> {
-        let mut poles = Vec::new();
         let layout = self.layout;
-        for leaf in &layout.leaves {
-            self.leaf(leaf, &mut poles)?;
+        let jets = self.jets();
+        let spots = self.spots(&jets)?;
+        let [nu, nv] = [0, 1].map(|d| layout.blocks[d].len());
+        let mut work = Work {
+            range: [Interval::ZERO; 2],
+            normal: None,
+            vertices: vec![NONE; spots.len()],
+            spots,
+            jets,
+        };
+        for (i, j) in (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j))) {
+            work.range = [layout.blocks[0][i], layout.blocks[1][j]];
+            work.normal = layout.normals[i * nv + j];
+            if nu * nv > 1 {
+                // Blocks differ in the normals on their common lines.
+                work.vertices.fill(NONE);
+            }
+            for cu in layout.first[0][i]..layout.first[0][i + 1] {
+                for cv in layout.first[1][j]..layout.first[1][j + 1] {
+                    self.cell([cu, cv], &mut work)?;
+                }
+            }
         }
         self.complete_normals();
         Ok(())
     }
 
-    fn leaf(&mut self, leaf: &Leaf, poles: &mut Vec<Pole>) -> Result<(), MeshError> {
-        let range = [0, 1].map(|d| self.layout.blocks[d][leaf.block[d]]);
-        let [us, vs] = [0, 1].map(|d| leaf.parts[d].params(range[d]));
-        let (n, m) = (us.len() - 1, vs.len() - 1);
-        let place = Place {
-            block: leaf.block,
-            range,
-            middle: [0.5 * (us[0] + us[n]), 0.5 * (vs[0] + vs[m])],
-            normal: leaf.normal,
+    /// The points of all vertices of the net with their first derivatives.
+    fn jets(&self) -> Vec<[DVec3; 3]> {
+        let net = &self.layout.net;
+        let uv: Vec<[f64; 2]> = net.places.iter().map(|&p| net.uv(p)).collect();
+        let mut out = vec![[DVec3::ZERO; jet_len(1)]; uv.len()];
+        if uv.len() < LIST {
+            for (uv, out) in uv.iter().zip(&mut out) {
+                self.surface.jet_into(*uv, [Limit::Above; 2], 1, out);
+            }
+        } else {
+            self.surface.jets(&uv, 1, out.as_flattened_mut());
+        }
+        out
+    }
+
+    /// Gives each vertex of the net its point.
+    fn spots(&mut self, jets: &[[DVec3; 3]]) -> Result<Vec<Spot>, MeshError> {
+        let layout = self.layout;
+        let mut spots = Vec::with_capacity(jets.len());
+        for (number, (&place, jet)) in layout.net.places.iter().zip(jets).enumerate() {
+            let mut spot = self.spot(layout.net.uv(place), self.is_on_side(place), jet[0])?;
+            spot.number = Some(number as u32);
+            spots.push(spot);
+        }
+        Ok(spots)
+    }
+
+    fn is_on_side(&self, place: Place) -> bool {
+        let last = self.layout.net.last();
+        (0..2).any(|d| place[d] == 0 || place[d] == last[d])
+    }
+
+    /// A spot whose point is that of other surfaces if it is shared; `p` is the surface's own.
+    fn spot(&mut self, uv: [f64; 2], on_side: bool, p: DVec3) -> Result<Spot, MeshError> {
+        let line = (0..self.collapsed.len())
+            .find(|&l| uv[self.collapsed[l].across] == self.collapsed[l].at);
+        let known = if on_side {
+            self.on_sides.get(&key(uv)).copied()
+        } else {
+            None
         };
-        let mut grid = vec![DVec3::ZERO; us.len() * vs.len()];
-        self.surface.grid(&us, &vs, &mut grid);
-        let mut ids = Vec::with_capacity(grid.len());
-        for (i, &u) in us.iter().enumerate() {
-            for (j, &v) in vs.iter().enumerate() {
-                let (uv, p) = ([u, v], grid[i * (m + 1) + j]);
-                ids.push(if i == 0 || j == 0 || i == n || j == m {
-                    self.on_border(&place, uv, p, poles)?
-                } else {
-                    let point = self.add_point(uv, p)?;
-                    self.add_vertex(&place, uv, point)
-                });
-            }
-        }
-        let id = |i: usize, j: usize| ids[i * (m + 1) + j];
-        let mut chain: [Vec<u32>; 4] = Default::default();
-        for i in 0..n {
-            for j in 0..m {
-                let corner = [id(i, j), id(i + 1, j), id(i, j + 1), id(i + 1, j + 1)];
-                let ends = [[0, 1], [2, 3], [0, 2], [1, 3]];
-                let outer = [j == 0, j + 1 == m, i == 0, i + 1 == n];
-                for (s, side) in Side::ALL.into_iter().enumerate() {
-                    chain[s].clear();
-                    chain[s].push(corner[ends[s][0]]);
-                    if outer[s] {
-                        let (at, from, to) = match side.along() {
-                            Dir::U => (vs[j + usize::from(side.is_upper())], us[i], us[i + 1]),
-                            Dir::V => (us[i + usize::from(side.is_upper())], vs[j], vs[j + 1]),
-                        };
-                        let lines = self.lines;
-                        for &t in lines.between(side.across(), at, from, to) {
-                            let uv = match side.along() {
-                                Dir::U => [t, at],
-                                Dir::V => [at, t],
-                            };
-                            let p = self.surface.point(uv);
-                            chain[s].push(self.on_border(&place, uv, p, poles)?);
-                        }
-                    }
-                    chain[s].push(corner[ends[s][1]]);
-                }
-                let cell = Cell {
-                    south: &chain[0],
-                    north: &chain[1],
-                    west: &chain[2],
-                    east: &chain[3],
-                };
-                let mut triangles = Vec::with_capacity(2);
-                if self.is_pinched([us[i], us[i + 1]], [vs[j], vs[j + 1]]) {
-                    let uv = [0.5 * (us[i] + us[i + 1]), 0.5 * (vs[j] + vs[j + 1])];
-                    let point = self.add_point(uv, self.surface.point(uv))?;
-                    let middle = self.add_vertex(&place, uv, point);
-                    cell.fan(middle, |t| triangles.push(t));
-                } else if let Some(side) = self.collapsed_side(&cell, poles) {
-                    cell.around_tip(
-                        side,
-                        |t| self.quality(&place, t, poles),
-                        |t| triangles.push(t),
-                    );
-                } else {
-                    cell.triangles(|t| self.quality(&place, t, poles), |t| triangles.push(t));
-                }
-                // Those of a cell without further vertices have edges along u and v.
-                let further = triangles.len() > 2;
-                if let Some(normal) = place.normal.filter(|_| further) {
-                    self.turned_over |= !triangles.iter().all(|t| {
-                        let p = t.map(|v| self.surface.point(self.uv_of(v, poles)));
-                        is_turned(p, normal, self.rounding)
-                    });
-                }
-                for t in triangles {
-                    self.add_triangle(&place, t, poles);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// The side of a cell that lies on a collapsed line.
-    fn collapsed_side(&self, cell: &Cell, poles: &[Pole]) -> Option<Side> {
-        Side::ALL.into_iter().find(|&side| {
-            let chain = cell.side(side);
-            chain.iter().all(|v| v & POLE != 0)
-                && self.point_of(chain[0], poles) == self.point_of(chain[chain.len() - 1], poles)
-        })
-    }
-
-    /// True if a cell is at a corner of the domain whose triangle may not be made.
-    fn is_pinched(&self, u: [f64; 2], v: [f64; 2]) -> bool {
-        let [du, dv] = self.surface.domain();
-        let at = |[lo, hi]: [f64; 2], d: Interval, end| [lo == d.lo, hi == d.hi][end];
-        Corner::ALL
-            .into_iter()
-            .zip(self.pinched)
-            .any(|(c, pinched)| {
-                let [i, j] = c.ends();
-                pinched && at(u, du, i) && at(v, dv, j)
-            })
-    }
-
-    fn add_point(&mut self, uv: [f64; 2], p: DVec3) -> Result<u32, MeshError> {
         if !p.is_finite() {
             return Err(MeshError::NotFinite {
                 surface: self.index,
                 uv,
             });
         }
-        self.points.push(p);
-        Ok(self.points.len() as u32 - 1)
-    }
-
-    fn add_vertex(&mut self, place: &Place, uv: [f64; 2], point: u32) -> u32 {
-        let normal = self.normal(place, uv);
-        self.patch.vertices.push(MeshVertex { point, uv, normal });
-        self.patch.vertices.len() as u32 - 1
-    }
-
-    /// The vertex on the border of a leaf; `p` is the surface's point there.
-    fn on_border(
-        &mut self,
-        place: &Place,
-        uv: [f64; 2],
-        p: DVec3,
-        poles: &mut Vec<Pole>,
-    ) -> Result<u32, MeshError> {
-        let at = (place.block, key(uv));
-        if let Some(&v) = self.vertex_of.get(&at) {
-            return Ok(v);
-        }
-        let line = (0..self.collapsed.len())
-            .find(|&l| uv[self.collapsed[l].across] == self.collapsed[l].at);
-        let known = self.on_lines.get(&at.1).copied();
         let point = match known.or_else(|| self.collapsed[line?].point) {
             Some(point) => point,
-            None => self.add_point(uv, p)?,
+            None => {
+                self.points.push(p);
+                self.points.len() as u32 - 1
+            }
         };
-        self.on_lines.insert(at.1, point);
         if let Some(l) = line {
             self.collapsed[l].point.get_or_insert(point);
         }
-        let gap = self.points[point as usize].distance(p);
-        if gap.is_nan() {
-            return Err(MeshError::NotFinite {
-                surface: self.index,
-                uv,
+        self.gap = self.gap.max(self.points[point as usize].distance(p));
+        Ok(Spot {
+            uv,
+            point,
+            tip: line.map(|l| 1 - self.collapsed[l].across),
+            number: None,
+        })
+    }
+
+    fn cell(&mut self, cell: [usize; 2], work: &mut Work) -> Result<(), MeshError> {
+        let layout = self.layout;
+        let mut triangles = Vec::new();
+        layout.net.triangles(cell, |t| triangles.push(t));
+        for t in triangles {
+            let corners = t.map(|k| work.spots[k as usize]);
+            let places = t.map(|k| layout.net.places[k as usize]);
+            // Further vertices are on one side at most, see `Layout::open_corners`.
+            let further = (0..3).find_map(|k| {
+                let ends = [places[k], places[(k + 1) % 3]];
+                let (from, to) = (corners[k].uv, corners[(k + 1) % 3].uv);
+                let (side, params) = self.further(ends, from, to)?;
+                Some((k, side, params))
             });
-        }
-        self.gap = self.gap.max(gap);
-        let vertex = match line {
-            Some(l) => {
-                let along = 1 - self.collapsed[l].across;
-                poles.push(Pole { point, uv, along });
-                POLE | (poles.len() as u32 - 1)
+            let Some((k, side, params)) = further else {
+                // The edges of triangles of the net of lines run along u and v.
+                let halved = places
+                    .iter()
+                    .flatten()
+                    .any(|x| x % super::bisection::CELL != 0);
+                self.triangle(corners, halved, work);
+                continue;
+            };
+            let mut chain = vec![corners[k]];
+            for t in params {
+                let mut uv = corners[k].uv;
+                uv[index(side.along())] = t;
+                chain.push(self.spot(uv, true, self.surface.point(uv))?);
             }
-            None => self.add_vertex(place, uv, point),
-        };
-        self.vertex_of.insert(at, vertex);
-        Ok(vertex)
-    }
-
-    fn point_of(&self, vertex: u32, poles: &[Pole]) -> u32 {
-        if vertex & POLE == 0 {
-            self.patch.vertices[vertex as usize].point
-        } else {
-            poles[(vertex & !POLE) as usize].point
+            chain.push(corners[(k + 1) % 3]);
+            for ends in chain.windows(2) {
+                self.triangle([ends[0], ends[1], corners[(k + 2) % 3]], true, work);
+            }
         }
+        Ok(())
     }
 
-    fn uv_of(&self, vertex: u32, poles: &[Pole]) -> [f64; 2] {
-        if vertex & POLE == 0 {
-            self.patch.vertices[vertex as usize].uv
-        } else {
-            poles[(vertex & !POLE) as usize].uv
-        }
+    /// The vertices on an edge beyond its ends, if it lies on a side that has some there, in its direction.
+    fn further(&self, ends: [Place; 2], from: [f64; 2], to: [f64; 2]) -> Option<(Side, Vec<f64>)> {
+        let last = self.layout.net.last();
+        Side::ALL.into_iter().find_map(|side| {
+            let d = index(side.across());
+            let at = if side.is_upper() { last[d] } else { 0 };
+            if ends.iter().any(|p| p[d] != at) {
+                return None;
+            }
+            let along = 1 - d;
+            let [a, b] = [from[along], to[along]];
+            let mut params = self.lines.between(side, a.min(b), a.max(b)).to_vec();
+            if a > b {
+                params.reverse();
+            }
+            (!params.is_empty()).then_some((side, params))
+        })
     }
 
-    /// Twice the area over the square of the longest edge, negative if the triangle must turn the other way.
-    fn quality(&self, place: &Place, t: [u32; 3], poles: &[Pole]) -> f64 {
-        let [a, b, c] = t.map(|v| self.points[self.point_of(v, poles) as usize]);
-        let (x, y) = (b - a, c - a);
-        let longest = x
-            .length_squared()
-            .max(y.length_squared())
-            .max(c.distance_squared(b));
-        if longest > 0.0 {
-            let area = x.cross(y);
-            place.normal.map_or(area.length(), |n| n.dot(area)) / longest
-        } else {
-            0.0
-        }
-    }
-
-    fn add_triangle(&mut self, place: &Place, mut t: [u32; 3], poles: &[Pole]) {
-        let p = t.map(|v| self.point_of(v, poles));
+    fn triangle(&mut self, corners: [Spot; 3], check: bool, work: &mut Work) {
+        let p = corners.map(|c| c.point);
         if p[0] == p[1] || p[1] == p[2] || p[2] == p[0] {
             return;
         }
-        for k in 0..3 {
-            if t[k] & POLE == 0 {
-                continue;
-            }
-            let pole = poles[(t[k] & !POLE) as usize];
-            let mut uv = pole.uv;
-            let others = [t[(k + 1) % 3], t[(k + 2) % 3]];
-            let at = others.map(|v| self.uv_of(v, poles)[pole.along]);
-            uv[pole.along] = 0.5 * (at[0] + at[1]);
-            t[k] = self.add_vertex(place, uv, pole.point);
+        if let Some(normal) = work.normal.filter(|_| check) {
+            let at = p.map(|p| self.points[p as usize]);
+            self.turned_over |= !is_turned(at, normal, self.rounding);
         }
-        self.patch.triangles.push(t);
+        let triangle = [0, 1, 2].map(|k| {
+            let others = [corners[(k + 1) % 3].uv, corners[(k + 2) % 3].uv];
+            self.vertex(corners[k], others, work)
+        });
+        self.patch.triangles.push(triangle);
+    }
+
+    /// The vertex of the patch for a corner of a triangle.
+    fn vertex(&mut self, spot: Spot, others: [[f64; 2]; 2], work: &mut Work) -> u32 {
+        if let (Some(number), None) = (spot.number, spot.tip) {
+            let known = work.vertices[number as usize];
+            if known != NONE {
+                return known;
+            }
+        }
+        let mut uv = spot.uv;
+        if let Some(along) = spot.tip {
+            uv[along] = 0.5 * (others[0][along] + others[1][along]);
+        }
+        let middle = [0, 1].map(|d| (spot.uv[d] + others[0][d] + others[1][d]) / 3.0);
+        let jet = spot.number.filter(|_| spot.tip.is_none());
+        let normal = self.normal(uv, middle, jet.map(|n| &work.jets[n as usize]), work.range);
+        let next = self.patch.vertices.len() as u32;
+        self.patch.vertices.push(MeshVertex {
+            point: spot.point,
+            uv,
+            normal,
+        });
+        if let (Some(number), None) = (spot.number, spot.tip) {
+            work.vertices[number as usize] = next;
+        }
+        next
     }
 
     /// The unit normal, as the limit from inside the block; zero where none is found.
-    fn normal(&self, place: &Place, uv: [f64; 2]) -> DVec3 {
+    fn normal(
+        &self,
+        uv: [f64; 2],
+        middle: [f64; 2],
+        jet: Option<&[DVec3; 3]>,
+        range: [Interval; 2],
+    ) -> DVec3 {
         let limit = [0, 1].map(|d| {
-            if uv[d] >= place.range[d].hi {
+            if uv[d] >= range[d].hi {
                 Limit::Below
             } else {
                 Limit::Above
             }
         });
+        // Those of a list are limits from above.
+        if let Some(jet) = jet.filter(|_| limit == [Limit::Above; 2]) {
+            if let Some(n) = normal_from(self.surface, uv, limit, jet).vector() {
+                return n;
+            }
+        }
         let at = |uv: [f64; 2]| normal_at(self.surface, uv, limit).vector();
         at(uv)
             .or_else(|| {
                 INWARD
                     .into_iter()
-                    .find_map(|f| at([0, 1].map(|d| uv[d] + f * (place.middle[d] - uv[d]))))
+                    .find_map(|f| at([0, 1].map(|d| uv[d] + f * (middle[d] - uv[d]))))
             })
             .unwrap_or(DVec3::ZERO)
     }

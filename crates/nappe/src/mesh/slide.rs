@@ -66,7 +66,7 @@ use glam::{DMat3, DVec3};
 /// A plane across which the surface is not steeper than this is used; a steeper one never gives a better bound.
 const STEEP: f64 = 4.0;
 /// A side of at most this share of the tolerance is one point.
-const NEGLIGIBLE: f64 = 1e-3;
+pub(super) const NEGLIGIBLE: f64 = 1e-3;
 
 /// The bound for one rectangle; `None` if condition 1 cannot be shown, or if it is not worth the enclosures of the sides
 /// even if these turn out to be straight.
@@ -136,18 +136,23 @@ const FIRST: [usize; 2] = [1, 2];
 const SECOND: [usize; 2] = [3, 5];
 
 /// A side of a rectangle that is one point but for rounding.
-struct Tip {
+pub(super) struct Tip {
     /// The direction along the side: 0 for u.
-    along: usize,
+    pub(super) along: usize,
     upper: bool,
     /// The size of the side.
-    size: f64,
+    pub(super) size: f64,
     /// The jet of order 2 over the side.
     jet: Vec<Box3>,
 }
 
 /// The side of a rectangle that is one point, up to a `size`; `None` if there is none, or several.
-fn tip(surface: &dyn Surface, uv: [Interval; 2], jet: &[Box3], size: f64) -> Option<Tip> {
+pub(super) fn tip(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    jet: &[Box3],
+    size: f64,
+) -> Option<Tip> {
     let mut found = None;
     for along in 0..2 {
         // Only a derivative that vanishes somewhere does so along a side.
@@ -178,7 +183,7 @@ fn tip(surface: &dyn Surface, uv: [Interval; 2], jet: &[Box3], size: f64) -> Opt
 
 impl Tip {
     /// The jet of the surface whose side is one point exactly, from that of the surface, over any part of the rectangle.
-    fn lift(&self, mut jet: Vec<Box3>) -> Vec<Box3> {
+    pub(super) fn lift(&self, mut jet: Vec<Box3>) -> Vec<Box3> {
         for k in [FIRST[self.along], SECOND[self.along]] {
             jet[k] = jet[k] - self.jet[k];
         }

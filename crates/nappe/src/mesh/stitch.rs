@@ -49,7 +49,7 @@ pub(super) fn stitch(
     for leader in 0..shared.joins.len() {
         let lead = edge(surfaces, leader);
         let inner = |e: &Edge, lines: &[Lines], number: usize| -> Vec<f64> {
-            let on = lines[number / 4].on(e.side.across(), e.at);
+            let on = lines[number / 4].on(e.side);
             on.iter()
                 .copied()
                 .filter(|&t| e.range.lo < t && t < e.range.hi)
@@ -165,7 +165,7 @@ fn record(
     line.extend(params);
     line.push(e.range.hi);
     line.sort_by(f64::total_cmp);
-    lines[surface].set(e.side, e.at, line);
+    lines[surface].set(e.side, line);
 }
 
 #[cfg(test)]

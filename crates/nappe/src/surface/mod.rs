@@ -103,6 +103,7 @@ pub use diagonal_key::{DiagonalKey, DiagonalKeyError, DiagonalKeyOptions, Free, 
 pub use elementary::Elementary;
 pub use fillet::{Fillet, FilletError, FilletOptions, arc_sections};
 pub use hermite::{HermiteData, HermiteError, hermite};
+pub(crate) use normal::normal_from;
 pub use normal::{Normal, normal_at};
 pub use quadric::{Quadric, QuadricError, QuadricOptions, QuadricShape};
 pub use rational::{RationalError, rational};

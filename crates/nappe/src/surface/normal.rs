@@ -1,6 +1,6 @@
 //! Unit normals, also where `r_u × r_v` vanishes.
 
-use super::{Dir, Surface, jet_index};
+use super::{Dir, Surface, jet_index, jet_len};
 use crate::breaks::{Breaks, Limit};
 use crate::series::binomial;
 use glam::DVec3;
@@ -58,16 +58,26 @@ pub(super) fn normal_of<S: Surface + ?Sized>(
     uv: [f64; 2],
     limit: [Limit; 2],
 ) -> Normal {
+    let mut jet = [DVec3::ZERO; jet_len(1)];
+    surface.jet_into(uv, limit, 1, &mut jet);
+    normal_from(surface, uv, limit, &jet)
+}
+
+/// The same from a point and first derivatives that are known.
+pub(crate) fn normal_from<S: Surface + ?Sized>(
+    surface: &S,
+    uv: [f64; 2],
+    limit: [Limit; 2],
+    jet: &[DVec3; 3],
+) -> Normal {
     let width = [0, 1].map(|k| {
         let breaks = surface.breaks([Dir::U, Dir::V][k]);
         breaks.piece(breaks.find(uv[k], limit[k])).width()
     });
-    let jet = surface.jet(uv, limit, 1);
-    let (a, b) = (jet.d[1] * width[0], jet.d[2] * width[1]);
+    let (a, b) = (jet[1] * width[0], jet[2] * width[1]);
     let plain = a.cross(b);
     let (shorter, longer) = (a.length().min(b.length()), a.length().max(b.length()));
-    if plain.length() > PLAIN * longer * longer && shorter > WELL_ABOVE_ROUNDING * jet.d[0].length()
-    {
+    if plain.length() > PLAIN * longer * longer && shorter > WELL_ABOVE_ROUNDING * jet[0].length() {
         return plain.try_normalize().map_or(Normal::None, Normal::Regular);
     }
     Tangents::new(surface, uv, limit, width).normal()

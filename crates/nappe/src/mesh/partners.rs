@@ -1,0 +1,389 @@
+//! How far the triangles of one square of the quadtree are from the surface: partners beside each other.
+//!
+//! Let `L` be linear on each triangle and equal to the surface `r` at the corners, `e = L - r`. A point `L(p)` of the mesh
+//! has its partner on the surface at parameters `p + d(p)`. By Taylor's formula
+//!
+//! `|r(p + d) - L(p)| ≤ |J d - e(p)| + ½ sup |D²r[d, d]|`, `J = [r_u r_v]` at `p`,
+//!
+//! so `d` should take away what of `e` lies in the tangent plane; it is small of second order, and what it adds of fourth.
+//! In each square that the triangulation does not cut through, one of these is taken:
+//!
+//! - *inside*: with a frame whose z is about normal, `N = r_u × r_v` and `J d = e` in x and y there remains `|N·e| / N_z`;
+//! - *at a side* `v = const` of the domain: `d` along u so that `J d = e` in x, which is about along `r_u`. There remain
+//!   y and z of `e - r_u e_x / r_u,x`. Likewise at a side `u = const`;
+//! - *anywhere*: `d = 0`. There remains `|e|`.
+//!
+//! **Theorem.** Let τ be at least what remains with what is added in all squares, and `p + d` in the domain. Then the
+//! two-sided Hausdorff distance between `r(D)` and `L(D)` is at most τ.
+//!
+//! *Proof.* Every point of the mesh has a partner by what was said. Now let `F(p)` be `{p + d(p)}` inside the squares and
+//! the segment (or hull) of all choices on their common sides. There `λ ↦ |J d_λ - e| + ½ sup |D²r[d_λ, d_λ]|` is convex in
+//! the choice, so all points of `F(p)` are partners within τ. `F` is upper semicontinuous with convex values, and maps
+//! every side of the domain into itself, since squares at a side slide along it and those in a corner not at all. It so
+//! has continuous selections as near to its graph as we like (Cellina), of degree 1 on the border; they reach every
+//! parameter, and in the limit `F` does: every point of the surface is the partner of a point of the mesh. ∎
+//!
+//! The components of `e` are bounded as those of any function by its second derivatives `Q` (`bound`): for a corner `p_i`
+//! of a triangle and `p = Σ λ_i p_i`, `e_c(p) = ½ Σ λ_i Q_i[p_i - p]` with `Q_i` a mean over a segment. If `Q` were one
+//! positive semidefinite form, this is largest for the triangle itself among all triangles in it, by Jensen's inequality:
+//! an eighth of the longest side, or half the squared radius of the circle around it, in the measure of `Q`. The middle of
+//! the enclosure is a difference of two such forms; the rest is bounded by Popoviciu's inequality, also for all triangles
+//! inside. So further bisections and further vertices on sides need no other proof.
+//!
+//! Where a side is one point `P`, triangles with two corners there vanish. Those with one are covered by rays from it: let
+//! a ray at `p` end at height `v` in the opposite edge; the surface leaves its chord along the ray by at most
+//! `⅛ sup|r_vv| v²`, and the end by the bound of an edge. This is `d = 0` with other parameters of the same mesh.
+
+use super::bound::ROUND_UP;
+use super::slide::{NEGLIGIBLE, Tip, tip};
+use crate::box3::Box3;
+use crate::interval::Interval;
+use crate::surface::Surface;
+use glam::{DMat3, DVec3};
+
+/// The neighbourhood of a square in which partners are looked for, as a share of its size.
+const ROOM: f64 = 1.0 / 16.0;
+
+/// A bound for the triangles that are `2 k` times (index 0) or `2 k + 1` times (1) bisected: `error / 4^k + added / 16^k`,
+/// if `slip / 4^k ≤ 1`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bound {
+    error: [f64; 2],
+    added: [f64; 2],
+    slip: [f64; 2],
+    /// What is lost whatever the triangles.
+    shift: f64,
+    /// The share of the error that comes from the variation of the derivatives.
+    pub(super) loose: f64,
+}
+
+impl Bound {
+    pub(super) fn deviation(&self, level: u32, grain: f64) -> f64 {
+        let (k, odd) = (level / 2, level as usize % 2);
+        let size = (0.5f64).powi(k as i32) + grain;
+        let s = size * size;
+        if self.slip[odd] * s <= 1.0 {
+            (self.error[odd] * s + self.added[odd] * s * s + self.shift) * ROUND_UP
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    /// The fewest bisections that keep a tolerance.
+    pub(super) fn level(&self, tol: f64, grain: f64) -> Option<u32> {
+        (0..=2 * super::bisection::DEPTH).find(|&l| self.deviation(l, grain) <= tol)
+    }
+}
+
+/// The second derivatives of a function along the sides of a rectangle: `uu Δu²`, `uv Δu Δv`, `vv Δv²`.
+struct Form([Interval; 3]);
+
+/// The sides of the triangles that are an even and an odd number of times bisected, in units of the rectangle.
+const SIDES: [[[[f64; 2]; 3]; 2]; 2] = [
+    [
+        [[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]],
+        [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]],
+    ],
+    [
+        [[1.0, 0.0], [0.5, 0.5], [0.5, -0.5]],
+        [[0.0, 1.0], [0.5, 0.5], [0.5, -0.5]],
+    ],
+];
+
+/// The sum in Popoviciu's inequality for triangles that are an even and an odd number of times bisected.
+fn popoviciu([uu, uv, vv]: [f64; 3]) -> [f64; 2] {
+    [
+        0.125 * (uu + 2.0 * uv + vv),
+        0.125 * (uu + uv + 0.25 * vv).max(0.25 * uu + uv + vv),
+    ]
+}
+
+impl Form {
+    /// What the middle and what the variation contribute to the greatest error of interpolation.
+    fn errors(&self) -> [[f64; 2]; 2] {
+        let [u, c, v] = self.0.map(Interval::mid);
+        let radius = self.0.map(|i| 0.5 * i.width() * ROUND_UP);
+        let (mean, half) = (0.5 * (u + v), (0.5 * (u - v)).hypot(c));
+        let (upper, lower) = (mean + half, mean - half);
+        let middle = SIDES.map(|kinds| {
+            let of = |sides: [[f64; 2]; 3]| {
+                if upper * lower >= 0.0 {
+                    let q = sides.map(|[x, y]| (u * x * x + 2.0 * c * x * y + v * y * y).abs());
+                    spread(q)
+                } else {
+                    // The projections on the eigenvectors: a half of the unit form and of the form without its mean.
+                    let part = |eigenvalue: f64, sign: f64| {
+                        let q = sides.map(|[x, y]| {
+                            let deviator = 0.5 * (u - v) * (x * x - y * y) + 2.0 * c * x * y;
+                            0.5 * eigenvalue.abs() * (x * x + y * y + sign * deviator / half)
+                        });
+                        0.125 * q[0].max(q[1]).max(q[2])
+                    };
+                    part(upper, 1.0).max(part(lower, -1.0))
+                }
+            };
+            of(kinds[0]).max(of(kinds[1]))
+        });
+        [middle, popoviciu(radius)]
+    }
+
+    fn error(&self) -> [f64; 2] {
+        let [middle, radius] = self.errors();
+        [0, 1].map(|k| middle[k] + radius[k])
+    }
+}
+
+/// The greatest error of linear interpolation of a convex quadratic function on a triangle, from the squares of its sides
+/// in the measure of the second derivative.
+fn spread(mut q: [f64; 3]) -> f64 {
+    q.sort_by(f64::total_cmp);
+    let [a, b, c] = q;
+    if c >= a + b {
+        0.125 * c
+    } else {
+        // Half the square of the radius of the circle around it.
+        let area = 2.0 * (a * b + b * c + c * a) - (a * a + b * b + c * c);
+        0.5 * a * b * c / area
+    }
+}
+
+/// A rectangle with its surroundings.
+pub(super) struct Place {
+    pub(super) uv: [Interval; 2],
+    /// The part of the surface without corners around it.
+    pub(super) block: [Interval; 2],
+}
+
+impl Place {
+    fn touches(&self, d: usize) -> bool {
+        let (r, b) = (self.uv[d], self.block[d]);
+        r.lo <= b.lo || r.hi >= b.hi
+    }
+
+    /// The rectangle in which partners are looked for.
+    pub(super) fn surroundings(&self) -> [Interval; 2] {
+        [0, 1].map(|d| {
+            let r = self.uv[d];
+            let room = ROOM * r.width();
+            Interval {
+                lo: (r.lo - room).max(self.block[d].lo),
+                hi: (r.hi + room).min(self.block[d].hi),
+            }
+        })
+    }
+
+    /// How far partners may be away along a direction, as a share of the size.
+    fn room(&self, d: usize) -> f64 {
+        let (r, around) = (self.uv[d], self.surroundings()[d]);
+        (r.lo - around.lo).min(around.hi - r.hi) / r.width()
+    }
+}
+
+/// A bound for a square of the quadtree, from a jet of order 2 over its surroundings; the best of those that apply.
+pub(super) fn bounds(
+    surface: &dyn Surface,
+    place: &Place,
+    jet: &[Box3],
+    proven: bool,
+    tol: f64,
+) -> Vec<Bound> {
+    let mut out = vec![plain(place, jet)];
+    if !proven {
+        return out;
+    }
+    let slid = match [0, 1].map(|d| place.touches(d)) {
+        [false, false] => inside(place, jet),
+        [false, true] => along(place, jet, 0),
+        [true, false] => along(place, jet, 1),
+        [true, true] => None,
+    };
+    out.extend(slid);
+    if let Some(tip) = tip(surface, place.uv, jet, NEGLIGIBLE * tol) {
+        out.push(fan(place, &tip, jet));
+    }
+    out
+}
+
+/// The derivatives along the sides of the rectangle, in a frame.
+struct Sized {
+    first: [Box3; 2],
+    second: [Box3; 3],
+}
+
+impl Sized {
+    fn new(place: &Place, jet: &[Box3], turn: &DMat3) -> Self {
+        let [du, dv] = place.uv.map(|i| i.width() * ROUND_UP);
+        let of = |k: usize, size: f64| jet[k].scale(Interval::point(size)).linear_image(turn);
+        Self {
+            first: [of(1, du), of(2, dv)],
+            second: [of(3, du * du), of(4, du * dv), of(5, dv * dv)],
+        }
+    }
+
+    fn form(&self, component: impl Fn(Box3) -> Interval) -> Form {
+        Form(self.second.map(component))
+    }
+
+    fn norms(&self) -> [f64; 3] {
+        self.second.map(|b| b.norm().hi)
+    }
+}
+
+/// Partners with the same parameters.
+fn plain(place: &Place, jet: &[Box3]) -> Bound {
+    let sized = Sized::new(place, jet, &DMat3::IDENTITY);
+    let parts = [0, 1, 2].map(|c| sized.form(|b| b.to_array()[c]).errors());
+    let [sum, norms] = [
+        [0, 1].map(|k| {
+            let part = |c: usize| parts[c][0][k] + parts[c][1][k];
+            part(0).hypot(part(1)).hypot(part(2))
+        }),
+        popoviciu(sized.norms()),
+    ];
+    let radius = (0..3).map(|c| parts[c][1][0]).fold(0.0, f64::hypot);
+    Bound {
+        error: [0, 1].map(|k| if sum[k] <= norms[k] { sum[k] } else { norms[k] }),
+        added: [0.0; 2],
+        slip: [0.0; 2],
+        shift: 0.0,
+        loose: radius / sum[0].min(norms[0]),
+    }
+}
+
+/// Partners along the normal.
+fn inside(place: &Place, jet: &[Box3]) -> Option<Bound> {
+    let sized = Sized::new(place, jet, &frame(jet[1].mid(), jet[2].mid())?);
+    let [a, b] = sized.first;
+    let n = a.cross(b);
+    let least = n.z.lo;
+    if !(least > 0.0 && n.is_finite()) {
+        return None;
+    }
+    let (mx, my) = (n.x / n.z, n.y / n.z);
+    let across = sized.form(|x| x.z + mx * x.x + my * x.y);
+    let within = [sized.form(|x| x.x).error(), sized.form(|x| x.y).error()];
+    let errors = across.errors();
+    let flat = |x: Box3| x.x.mag().hypot(x.y.mag());
+    let norms = sized.norms();
+    let room = [0, 1].map(|d| place.room(d));
+    // How far partners are away along u and v.
+    let d = [0, 1].map(|k| {
+        let e = within[0][k].hypot(within[1][k]);
+        [e * flat(b) / least, e * flat(a) / least]
+    });
+    Some(Bound {
+        error: [0, 1].map(|k| errors[0][k] + errors[1][k]),
+        added: d.map(|[u, v]| 0.5 * (norms[0] * u * u + 2.0 * norms[1] * u * v + norms[2] * v * v)),
+        slip: d.map(|[u, v]| (u / room[0]).max(v / room[1])),
+        shift: 0.0,
+        loose: errors[1][0] / (errors[0][0] + errors[1][0]),
+    })
+}
+
+/// Partners along a side that runs along u (0) or v (1).
+fn along(place: &Place, jet: &[Box3], dir: usize) -> Option<Bound> {
+    let directions = [jet[1].mid(), jet[2].mid()];
+    let sized = Sized::new(place, jet, &frame(directions[dir], directions[1 - dir])?);
+    let first = sized.first[dir];
+    if !(first.x.lo > 0.0 && first.is_finite()) {
+        return None;
+    }
+    let (ty, tz) = (first.y / first.x, first.z / first.x);
+    let parts = [
+        sized.form(|x| x.y - ty * x.x).errors(),
+        sized.form(|x| x.z - tz * x.x).errors(),
+    ];
+    let of = |k: usize| (parts[0][0][k] + parts[0][1][k]).hypot(parts[1][0][k] + parts[1][1][k]);
+    let away = sized.form(|x| x.x).error().map(|e| e / first.x.lo);
+    let second = sized.norms()[2 * dir];
+    Some(Bound {
+        error: [of(0), of(1)],
+        added: away.map(|d| 0.5 * second * d * d),
+        slip: away.map(|d| d / place.room(dir)),
+        shift: 0.0,
+        loose: parts[0][1][0].hypot(parts[1][1][0]) / of(0),
+    })
+}
+
+/// Partners with the same parameters where a side is one point.
+fn fan(place: &Place, tip: &Tip, jet: &[Box3]) -> Bound {
+    let jet = tip.lift(jet.to_vec());
+    let [uu, uv, vv] = Sized::new(place, &jet, &DMat3::IDENTITY).norms();
+    let ray = [vv, uu][tip.along];
+    let error = 0.125 * (uu + 2.0 * uv + vv + ray);
+    Bound {
+        error: [error; 2],
+        added: [0.0; 2],
+        slip: [0.0; 2],
+        shift: 2.0 * tip.size,
+        loose: 0.0,
+    }
+}
+
+/// Rows: along `first`, across it in the plane of both, along the normal.
+fn frame(first: DVec3, second: DVec3) -> Option<DMat3> {
+    let normal = first.cross(second).try_normalize()?;
+    let first = first.try_normalize()?;
+    Some(DMat3::from_cols(first, normal.cross(first).normalize(), normal).transpose())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::laws::Random;
+
+    /// The greatest error of interpolation of ½ Q on a triangle, on a grid of points.
+    fn sampled([u, c, v]: [f64; 3], corners: [[f64; 2]; 3]) -> f64 {
+        let f = |[x, y]: [f64; 2]| 0.5 * (u * x * x + 2.0 * c * x * y + v * y * y);
+        let mut worst = 0.0f64;
+        for i in 0..=60 {
+            for j in 0..=60 - i {
+                let l = [i, j, 60 - i - j].map(|k| f64::from(k) / 60.0);
+                let at = [0, 1].map(|d| (0..3).map(|k| l[k] * corners[k][d]).sum());
+                let linear: f64 = (0..3).map(|k| l[k] * f(corners[k])).sum();
+                worst = worst.max((linear - f(at)).abs());
+            }
+        }
+        worst
+    }
+
+    const TRIANGLES: [[[[f64; 2]; 3]; 2]; 2] = [
+        [
+            [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
+            [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]],
+        ],
+        [
+            [[0.0, 0.0], [1.0, 0.0], [0.5, 0.5]],
+            [[0.0, 0.0], [0.0, 1.0], [0.5, 0.5]],
+        ],
+    ];
+
+    #[test]
+    fn errors_of_quadratic_functions_are_bounded_also_for_triangles_inside() {
+        let mut random = Random(17);
+        let mut tight = 0;
+        for _ in 0..300 {
+            let q = [0; 3].map(|_| 2.0 * random.unit() - 1.0);
+            let bound = Form(q.map(Interval::point)).error();
+            for (kinds, bound) in TRIANGLES.iter().zip(bound) {
+                let found = kinds.map(|t| sampled(q, t));
+                let worst = found[0].max(found[1]);
+                assert!(worst <= bound + 1e-12, "{q:?}: {worst} > {bound}");
+                tight += usize::from(worst > 0.7 * bound);
+                for t in kinds {
+                    let inner = [0; 3].map(|_| {
+                        let (a, b) = (random.unit(), random.unit());
+                        let (a, b) = if a + b > 1.0 {
+                            (1.0 - a, 1.0 - b)
+                        } else {
+                            (a, b)
+                        };
+                        [0, 1].map(|d| t[0][d] + a * (t[1][d] - t[0][d]) + b * (t[2][d] - t[0][d]))
+                    });
+                    assert!(sampled(q, inner) <= bound + 1e-12);
+                }
+            }
+        }
+        assert!(tight > 400, "{tight} of 600 bounds are nearly reached");
+    }
+}
