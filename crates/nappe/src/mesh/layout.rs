@@ -9,7 +9,7 @@ use super::bound::{Bend, sampled};
 use super::lines::index;
 use super::options::MeshError;
 use super::partners::{Bound, Place, bounds};
-use super::roots::{Roots, roots};
+use super::roots::{Grid, Roots, roots};
 use super::slide::slide;
 use crate::box3::Box3;
 use crate::breaks::Breaks;
@@ -59,15 +59,30 @@ impl Range {
 pub(super) struct Layout {
     /// The parts of the domain along u and v between corners of the surface.
     pub(super) blocks: [Vec<Interval>; 2],
-    /// The number of the first line of each block, and of the last line.
-    pub(super) first: [Vec<usize>; 2],
     pub(super) net: Bisection,
-    /// For each block (v fastest) the normal around which its triangles must be counter-clockwise, where the bound needs
-    /// that.
-    pub(super) normals: Vec<Option<DVec3>>,
+    /// Rectangles of cells that cover the net, block by block.
+    pub(super) regions: Vec<Region>,
     /// The deviation of the mesh whose points lie on the surface.
     pub(super) deviation: f64,
     pub(super) proven: bool,
+}
+
+/// A rectangle of cells.
+#[derive(Clone, Debug)]
+pub(super) struct Region {
+    /// The block along u and v.
+    pub(super) block: [usize; 2],
+    pub(super) cells: [std::ops::Range<usize>; 2],
+    /// The normal around which its triangles must be counter-clockwise, where the bound needs that.
+    pub(super) normal: Option<DVec3>,
+}
+
+impl Region {
+    /// All cells, v fastest.
+    pub(super) fn each(&self) -> impl Iterator<Item = [usize; 2]> {
+        let [u, v] = self.cells.clone();
+        u.flat_map(move |i| v.clone().map(move |j| [i, j]))
+    }
 }
 
 impl Layout {
@@ -125,13 +140,14 @@ pub(super) struct Demand {
 pub(super) fn grid_bound(
     surface: &dyn Surface,
     uv: [Interval; 2],
+    least: [f64; 2],
     demand: &Demand,
 ) -> Option<(Bend, [f64; 2])> {
     let jet = surface.enclose(uv, 2);
     if !jet[0].is_finite() {
         return None;
     }
-    let grid = |bend: Bend| Some((bend, bend.cells(demand.tol, demand.least)?));
+    let grid = |bend: Bend| Some((bend, bend.cells(demand.tol, least)?));
     let cells = |found: &Option<(Bend, [f64; 2])>| found.map_or(f64::INFINITY, |(_, [n, m])| n * m);
     let plain = Bend::new(&jet, uv);
     let mut found = grid(plain);
@@ -170,14 +186,6 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
         blocks(surface, Dir::V, demand.surface)?,
     ];
     let Roots { lines, grids } = roots(surface, &blocks, demand);
-    let first = [0, 1].map(|d| {
-        let ends = blocks[d]
-            .iter()
-            .map(|b| b.lo)
-            .chain(blocks[d].last().map(|b| b.hi));
-        ends.map(|at| lines[d].partition_point(|&t| t < at))
-            .collect()
-    });
     demand.allows(2.0 * lines[0].len() as f64 * lines[1].len() as f64)?;
     let mut work = Work {
         surface,
@@ -185,19 +193,15 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
         block: [Interval::ZERO; 2],
         out: Layout {
             blocks,
-            first,
             net: Bisection::new(lines),
-            normals: grids
-                .iter()
-                .map(|g| g.and_then(|bend| bend.normal))
-                .collect(),
+            regions: Vec::new(),
             deviation: 0.0,
             proven: true,
         },
     };
     let [nu, nv] = [0, 1].map(|d| work.out.blocks[d].len());
     for (i, j) in (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j))) {
-        work.block([i, j], grids[i * nv + j])?;
+        work.block([i, j], grids[i * nv + j].as_ref())?;
     }
     Ok(work.out)
 }
@@ -224,31 +228,60 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    fn block(&mut self, at: [usize; 2], grid: Option<Bend>) -> Result<(), MeshError> {
+    fn block(&mut self, at: [usize; 2], grid: Option<&Grid>) -> Result<(), MeshError> {
         self.block = [0, 1].map(|d| self.out.blocks[d][at[d]]);
-        let cells = [0, 1].map(|d| self.out.first[d][at[d]]..self.out.first[d][at[d] + 1]);
-        if let Some(bend) = grid {
-            let most = [0, 1].map(|d| {
-                let lines = &self.out.net.lines[d][cells[d].start..=cells[d].end];
-                let widest = lines.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
-                self.block[d].width() / widest
-            });
-            let deviation = bend.deviation(most[0], most[1]);
-            if deviation <= self.demand.tol {
-                self.out.deviation = self.out.deviation.max(deviation);
-                return Ok(());
-            }
-            self.out.normals[at[0] * self.out.blocks[1].len() + at[1]] = None;
+        if let Some((regions, deviation)) = grid.and_then(|g| self.proven(at, g)) {
+            self.out.regions.extend(regions);
+            self.out.deviation = self.out.deviation.max(deviation);
+            return Ok(());
         }
-        for i in cells[0].clone() {
-            for j in cells[1].clone() {
-                let mut open = vec![Square::cell([i, j])];
-                while let Some(square) = open.pop() {
-                    self.square(square, &mut open)?;
-                }
+        let region = Region {
+            block: at,
+            cells: [0, 1].map(|d| self.cells(d, self.block[d])),
+            normal: None,
+        };
+        for cell in region.each() {
+            let mut open = vec![Square::cell(cell)];
+            while let Some(square) = open.pop() {
+                self.square(square, &mut open)?;
             }
         }
+        self.out.regions.push(region);
         Ok(())
+    }
+
+    /// The cells between two lines.
+    fn cells(&self, d: usize, part: Interval) -> std::ops::Range<usize> {
+        let number = |at: f64| self.out.net.lines[d].partition_point(|&t| t < at);
+        number(part.lo)..number(part.hi)
+    }
+
+    /// The parts of a grid with their largest deviation, if the lines cut all into small enough cells.
+    fn proven(&self, block: [usize; 2], grid: &Grid) -> Option<(Vec<Region>, f64)> {
+        let [us, vs] = &grid.parts;
+        let parts = us.iter().flat_map(|&u| vs.iter().map(move |&v| [u, v]));
+        let (mut regions, mut worst) = (Vec::new(), 0.0f64);
+        for (part, bend) in parts.zip(&grid.bends) {
+            let cells = [0, 1].map(|d| self.cells(d, part[d]));
+            let fewest = [0, 1].map(|d| {
+                let lines = self.out.net.lines[d].get(cells[d].start..=cells[d].end)?;
+                // Lines of other grids may not stop here.
+                let fits = lines.first() == Some(&part[d].lo) && lines.last() == Some(&part[d].hi);
+                let widest = lines.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
+                fits.then(|| part[d].width() / widest)
+            });
+            let deviation = bend.deviation(fewest[0]?, fewest[1]?);
+            if deviation.is_nan() || deviation > self.demand.tol {
+                return None;
+            }
+            worst = worst.max(deviation);
+            regions.push(Region {
+                block,
+                cells,
+                normal: bend.normal,
+            });
+        }
+        Some((regions, worst))
     }
 
     /// Refines a square, or leaves that to its children.

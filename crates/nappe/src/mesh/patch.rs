@@ -21,8 +21,6 @@ use std::collections::HashMap;
 const INWARD: [f64; 4] = [1e-6, 1e-4, 1e-2, 0.5];
 /// From so many vertices on, the preparations of a list are worth while.
 const LIST: usize = 4096;
-/// A vertex that has no number yet.
-const NONE: u32 = u32::MAX;
 
 /// A line of constant parameter that is one point.
 pub(super) struct Collapsed {
@@ -65,6 +63,7 @@ struct Spot {
 
 /// What is known about the block being worked on.
 struct Work {
+    block: [usize; 2],
     range: [Interval; 2],
     /// The normal around which the triangles must be counter-clockwise, if any.
     normal: Option<DVec3>,
@@ -72,8 +71,8 @@ struct Work {
     spots: Vec<Spot>,
     /// The derivatives there.
     jets: Vec<[DVec3; 3]>,
-    /// The vertices of the patch.
-    vertices: Vec<u32>,
+    /// The vertices of the patch, with their block: blocks differ in the normals on their common lines.
+    vertices: Vec<Option<([usize; 2], u32)>>,
 }
 
 impl Builder<'_> {
@@ -82,25 +81,20 @@ impl Builder<'_> {
         let layout = self.layout;
         let jets = self.jets();
         let spots = self.spots(&jets)?;
-        let [nu, nv] = [0, 1].map(|d| layout.blocks[d].len());
         let mut work = Work {
             range: [Interval::ZERO; 2],
             normal: None,
-            vertices: vec![NONE; spots.len()],
+            block: [0; 2],
+            vertices: vec![None; spots.len()],
             spots,
             jets,
         };
-        for (i, j) in (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j))) {
-            work.range = [layout.blocks[0][i], layout.blocks[1][j]];
-            work.normal = layout.normals[i * nv + j];
-            if nu * nv > 1 {
-                // Blocks differ in the normals on their common lines.
-                work.vertices.fill(NONE);
-            }
-            for cu in layout.first[0][i]..layout.first[0][i + 1] {
-                for cv in layout.first[1][j]..layout.first[1][j + 1] {
-                    self.cell([cu, cv], &mut work)?;
-                }
+        for region in &layout.regions {
+            work.block = region.block;
+            work.range = [0, 1].map(|d| layout.blocks[d][region.block[d]]);
+            work.normal = region.normal;
+            for cell in region.each() {
+                self.cell(cell, &mut work)?;
             }
         }
         self.complete_normals();
@@ -248,9 +242,9 @@ impl Builder<'_> {
     /// The vertex of the patch for a corner of a triangle.
     fn vertex(&mut self, spot: Spot, others: [[f64; 2]; 2], work: &mut Work) -> u32 {
         if let (Some(number), None) = (spot.number, spot.tip) {
-            let known = work.vertices[number as usize];
-            if known != NONE {
-                return known;
+            match work.vertices[number as usize] {
+                Some((block, vertex)) if block == work.block => return vertex,
+                _ => {}
             }
         }
         let mut uv = spot.uv;
@@ -267,7 +261,7 @@ impl Builder<'_> {
             normal,
         });
         if let (Some(number), None) = (spot.number, spot.tip) {
-            work.vertices[number as usize] = next;
+            work.vertices[number as usize] = Some((work.block, next));
         }
         next
     }

@@ -17,13 +17,78 @@ const SAMPLES: usize = 6;
 const GAIN: f64 = 0.85;
 /// The most lines that halving may lead to, along each direction.
 const MOST: usize = 4096;
+/// A grid with so few cells cannot be improved.
+const FEW: f64 = 2.0;
 /// What bisection needs more cells than the curvature asks for: sizes go in steps.
 const STEPS: f64 = 1.5;
 
-/// The lines of constant u and v, and the bound of each block that they cut into small enough cells (v fastest).
+/// The parts that grids are tried with, along u and v: a bound that slides needs parts that do not turn too far.
+const PARTS: [[usize; 2]; 6] = [[1, 1], [4, 1], [1, 4], [8, 1], [1, 8], [4, 4]];
+
+/// The lines of constant u and v, and the grid of each block that has one (v fastest).
 pub(super) struct Roots {
     pub(super) lines: [Vec<f64>; 2],
-    pub(super) grids: Vec<Option<Bend>>,
+    pub(super) grids: Vec<Option<Grid>>,
+}
+
+/// Equal parts of a block with uniform cells.
+pub(super) struct Grid {
+    pub(super) parts: [Vec<Interval>; 2],
+    /// The bound of each part, v fastest.
+    pub(super) bends: Vec<Bend>,
+    /// The cells across each part, along u and v.
+    cells: [Vec<f64>; 2],
+}
+
+impl Grid {
+    fn new(
+        surface: &dyn Surface,
+        uv: [Interval; 2],
+        count: [usize; 2],
+        demand: &Demand,
+    ) -> Option<Self> {
+        let parts = [0, 1].map(|d| Range::new(uv[d]).parts(count[d]));
+        let mut cells = [0, 1].map(|d| vec![1.0f64; parts[d].len()]);
+        let mut bends = Vec::with_capacity(count[0] * count[1]);
+        let least = [0, 1].map(|d| (demand.least[d] / count[d] as f64).ceil());
+        for (i, &u) in parts[0].iter().enumerate() {
+            for (j, &v) in parts[1].iter().enumerate() {
+                let (bend, n) = grid_bound(surface, [u, v], least, demand)?;
+                bends.push(bend);
+                cells[0][i] = cells[0][i].max(n[0]);
+                cells[1][j] = cells[1][j].max(n[1]);
+            }
+        }
+        Some(Self {
+            parts,
+            bends,
+            cells,
+        })
+    }
+
+    fn count(&self) -> f64 {
+        let [n, m] = [0, 1].map(|d| self.cells[d].iter().sum::<f64>());
+        n * m
+    }
+
+    /// The best of those that need hardly more cells than bisection would.
+    fn best(surface: &dyn Surface, uv: [Interval; 2], demand: &Demand) -> Option<Self> {
+        let enough = expected(surface, uv, demand.tol).max(demand.least[0] * demand.least[1]);
+        let mut best: Option<Self> = None;
+        for parts in PARTS {
+            let most = best.as_ref().map_or(f64::INFINITY, |b| GAIN * b.count());
+            let grid = Self::new(surface, uv, parts, demand);
+            best = grid.filter(|g| g.count() <= most).or(best);
+            // Without the steps of bisection, nothing can be much better.
+            if best
+                .as_ref()
+                .is_some_and(|b| STEPS * b.count() <= enough.max(FEW))
+            {
+                break;
+            }
+        }
+        best.filter(|b| b.count() <= enough)
+    }
 }
 
 /// Second derivatives across the surface at a sample, along the sides of a rectangle.
@@ -32,6 +97,8 @@ struct Sample {
     uu: f64,
     uv: f64,
     vv: f64,
+    /// How much the lines along u and along v bend, also within the surface.
+    bent: [f64; 2],
 }
 
 impl Sample {
@@ -45,7 +112,15 @@ impl Sample {
             };
             if size.is_finite() { size } else { 0.0 }
         };
+        let bent = |first: DVec3, second: DVec3| {
+            let size = second.reject_from(first).length();
+            if size.is_finite() { size } else { 0.0 }
+        };
         Self {
+            bent: [
+                bent(jet[1], jet[3]) * du * du,
+                bent(jet[2], jet[5]) * dv * dv,
+            ],
             uu: across(jet[3]) * du * du,
             uv: across(jet[4]) * du * dv,
             vv: across(jet[5]) * dv * dv,
@@ -99,33 +174,26 @@ fn sampled(surface: &dyn Surface, [us, vs]: [&[Interval]; 2]) -> Vec<Samples> {
 
 /// The lines for a surface.
 pub(super) fn roots(surface: &dyn Surface, blocks: &[Vec<Interval>; 2], demand: &Demand) -> Roots {
-    let mut count = [0, 1].map(|d| vec![demand.least[d].max(1.0); blocks[d].len()]);
-    let each = || {
-        let all = blocks[0].iter().enumerate();
-        all.flat_map(|(i, u)| {
-            blocks[1]
-                .iter()
-                .enumerate()
-                .map(move |(j, v)| ([i, j], [*u, *v]))
+    let grids: Vec<Option<Grid>> = blocks[0]
+        .iter()
+        .flat_map(|&u| blocks[1].iter().map(move |&v| [u, v]))
+        .map(|block| Grid::best(surface, block, demand))
+        .collect();
+    let mut strips = [0, 1].map(|d| {
+        let each = blocks[d].iter().enumerate();
+        each.map(|(k, &block)| {
+            let along = grids.iter().enumerate().filter(|(i, _)| {
+                let at = [i / blocks[1].len(), i % blocks[1].len()];
+                at[d] == k
+            });
+            common(
+                block,
+                d,
+                along.filter_map(|(_, g)| g.as_ref()),
+                demand.least[d],
+            )
         })
-    };
-    let mut grids: Vec<Option<Bend>> = Vec::new();
-    for (block, uv) in each() {
-        let grid = grid_bound(surface, uv, demand).filter(|(_, [n, m])| {
-            n * m <= demand.least[0] * demand.least[1] || n * m <= expected(surface, uv, demand.tol)
-        });
-        if let Some((_, cells)) = grid {
-            for d in 0..2 {
-                count[d][block[d]] = count[d][block[d]].max(cells[d]);
-            }
-        }
-        grids.push(grid.map(|(bend, _)| bend));
-    }
-    let mut strips: [Vec<Vec<Interval>>; 2] = [0, 1].map(|d| {
-        let blocks = blocks[d].iter().zip(&count[d]);
-        blocks
-            .map(|(&block, &n)| Range::new(block).parts(n as usize))
-            .collect()
+        .collect::<Vec<_>>()
     });
     halve(surface, blocks, &grids, &mut strips, demand.tol);
     // What crosses from other blocks can only make cells smaller.
@@ -139,19 +207,66 @@ pub(super) fn roots(surface: &dyn Surface, blocks: &[Vec<Interval>; 2], demand: 
     }
 }
 
+/// The cells along direction `d` that are small enough for several grids.
+fn common<'a>(
+    block: Interval,
+    d: usize,
+    grids: impl Iterator<Item = &'a Grid> + Clone,
+    least: f64,
+) -> Vec<Interval> {
+    // The numbers of parts divide each other.
+    let count = grids.clone().map(|g| g.cells[d].len()).fold(1, usize::max);
+    let part = |(k, part): (usize, Interval)| {
+        let share = |g: &Grid| {
+            let together = count / g.cells[d].len();
+            (g.cells[d][k / together] / together as f64).ceil()
+        };
+        let n = grids
+            .clone()
+            .map(share)
+            .fold((least / count as f64).ceil(), f64::max);
+        Range::new(part).parts(n as usize)
+    };
+    Range::new(block)
+        .parts(count)
+        .into_iter()
+        .enumerate()
+        .flat_map(part)
+        .collect()
+}
+
 /// About the number of cells that bisection of a block needs.
 fn expected(surface: &dyn Surface, [u, v]: [Interval; 2], tol: f64) -> f64 {
     let samples = &sampled(surface, [&[u], &[v]])[0];
     let both = mean(samples.iter().map(|s| 0.25 * ((s.uu * s.vv).sqrt() + s.uv))) / tol;
     let one = |f: fn(&Sample) -> f64| mean(samples.iter().map(|s| (0.125 * f(s) / tol).sqrt()));
-    STEPS * both.max(one(|s| s.uu)).max(one(|s| s.vv)).max(1.0)
+    // The chords along the sides.
+    let side = |d: usize, upper: bool| {
+        let on = samples.iter().enumerate().filter(move |(k, _)| {
+            let across = [k % SAMPLES, k / SAMPLES][d];
+            across == if upper { SAMPLES - 1 } else { 0 }
+        });
+        mean(on.map(|(_, s)| (0.125 * s.bent[d] / tol).sqrt()))
+    };
+    [
+        both,
+        one(|s| s.uu),
+        one(|s| s.vv),
+        side(0, false),
+        side(0, true),
+        side(1, false),
+        side(1, true),
+    ]
+    .into_iter()
+    .fold(1.0, f64::max)
+        * STEPS
 }
 
 /// Halves strips of the blocks that have no grid.
 fn halve(
     surface: &dyn Surface,
     blocks: &[Vec<Interval>; 2],
-    grids: &[Option<Bend>],
+    grids: &[Option<Grid>],
     strips: &mut [Vec<Vec<Interval>>; 2],
     tol: f64,
 ) {
