@@ -175,6 +175,14 @@ fn from_surface(s: &SurfaceRef, q: DVec3, mut uv: [f64; 2]) -> f64 {
             (bb * a.dot(e) - ab * b.dot(e)) / det,
             (aa * b.dot(e) - ab * a.dot(e)) / det,
         ];
+        // Along a side that the step would leave, the nearest point of the side.
+        for (d, alone) in [(0, b.dot(e) / bb), (1, a.dot(e) / aa)] {
+            let next = uv[d] + step[d];
+            if uv[d] == next.clamp(domain[d].lo, domain[d].hi) && uv[d] != next {
+                step[d] = 0.0;
+                step[1 - d] = alone;
+            }
+        }
         if !(step[0].is_finite() && step[1].is_finite()) {
             break;
         }

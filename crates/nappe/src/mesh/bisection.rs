@@ -57,6 +57,12 @@ impl Square {
         self.corner.map(|x| x + self.size() / 2)
     }
 
+    /// True if the diagonal of its two triangles leads from the lower corner to the upper one.
+    pub(super) fn is_even(self) -> bool {
+        let [i, j] = self.corner.map(|x| x / self.size());
+        (i + j).is_multiple_of(2)
+    }
+
     fn middles(self) -> [Place; 4] {
         let ([x, y], h) = (self.corner, self.size() / 2);
         [

@@ -5,10 +5,11 @@
 //! as a grid (`bound`, `slide`).
 
 use super::bisection::{Bisection, DEPTH, Square};
-use super::bound::{Bend, sampled};
+use super::bound::{Bend, ROUND_UP, sampled};
 use super::lines::index;
+use super::measured::Samples;
 use super::options::MeshError;
-use super::partners::{Bound, Place, bounds};
+use super::partners::{BETWEEN, Bound, Place, bounds, within_reach};
 use super::roots::{Grid, Roots, roots};
 use super::slide::slide;
 use crate::box3::Box3;
@@ -134,6 +135,8 @@ pub(super) struct Demand {
     pub(super) max: usize,
     /// True if only partners with the same parameters may be compared over blocks, so that the triangles may turn anyhow.
     pub(super) plain: bool,
+    /// The sides that may get further vertices.
+    pub(super) joined: [bool; 4],
 }
 
 /// The bound for uniform grids over a block, and the cells of the smallest that keeps the tolerance.
@@ -297,7 +300,7 @@ impl Work<'_> {
             }),
             block: self.block,
         };
-        let judged = self.judge(&place, square.depth);
+        let judged = self.judge(&place, square);
         let deeper = square.depth < MAX_DEPTH
             && place.uv.iter().all(|r| {
                 let middle = r.lo + 0.5 * r.width();
@@ -322,16 +325,17 @@ impl Work<'_> {
             .refine(square, level.min(2 * (DEPTH - square.depth)));
         self.out.proven &= judged.proven;
         if judged.deviation.is_finite() {
-            self.out.deviation = self.out.deviation.max(judged.deviation);
+            let between = BETWEEN * self.demand.tol;
+            self.out.deviation = self.out.deviation.max(judged.deviation + between);
         }
         self.demand.allows(self.out.triangles() as f64)
     }
 
-    fn judge(&self, place: &Place, depth: u32) -> Judged {
+    fn judge(&self, place: &Place, square: Square) -> Judged {
         let jet: Vec<Box3> = self.surface.enclose(place.surroundings(), 2);
         let (jet, proven) = if jet[0].is_finite() {
             (jet, true)
-        } else if depth < PATIENCE {
+        } else if square.depth < PATIENCE {
             return Judged::UNKNOWN;
         } else {
             match sampled(self.surface, place.uv) {
@@ -339,7 +343,8 @@ impl Work<'_> {
                 None => return Judged::UNKNOWN,
             }
         };
-        let (tol, size) = (self.demand.tol, jet[0].diagonal());
+        let size = jet[0].diagonal();
+        let tol = (1.0 - BETWEEN) * self.demand.tol;
         if proven && size <= tol {
             // All points are that close to each other, whatever the derivatives.
             return Judged {
@@ -354,26 +359,50 @@ impl Work<'_> {
             .iter()
             .map(|r| 2.0 * f64::EPSILON * r.mag() / r.width());
         let grain = grain.fold(0.0, f64::max);
+        let reach = within_reach(place, &jet);
         let of = |b: &Bound| {
-            let level = b.level(tol, grain)?;
-            Some((level, b.deviation(level, grain), b.loose))
+            let (level, deviation) = b.level(tol, grain)?;
+            Some((level, deviation, 1.0 - reach / b.error()))
         };
-        bounds(self.surface, place, &jet, proven, tol)
+        let best = bounds(self.surface, place, &jet, proven, tol)
             .iter()
             .filter_map(of)
-            .min_by(|a, b| a.0.cmp(&b.0).then(a.2.total_cmp(&b.2)))
-            .map_or(
-                Judged {
-                    proven,
-                    ..Judged::UNKNOWN
-                },
-                |(level, deviation, loose)| Judged {
-                    level: Some(level),
-                    deviation,
-                    loose,
-                    proven,
-                },
-            )
+            .min_by(|a, b| a.0.cmp(&b.0).then(a.2.total_cmp(&b.2)));
+        let Some((mut level, mut deviation, loose)) = best else {
+            return Judged {
+                proven,
+                ..Judged::UNKNOWN
+            };
+        };
+        if proven && (level == 1 || level == 2) {
+            // Measuring says for fewer bisections what the bound says for that many and more.
+            let samples = Samples::new(self.surface, place, &jet, tol);
+            let open = Side::ALL.map(|side| {
+                let d = index(side.across());
+                let (place, domain) = (place.uv[d], self.surface.domain()[d]);
+                let on = if side.is_upper() {
+                    place.hi >= domain.hi
+                } else {
+                    place.lo <= domain.lo
+                };
+                on && self.demand.joined[side as usize]
+            });
+            for centre in [true, false] {
+                if u32::from(centre) < level {
+                    let error = samples.error(centre, square.is_even(), open) * ROUND_UP;
+                    if !(error <= tol) {
+                        break;
+                    }
+                    (level, deviation) = (u32::from(centre), deviation.max(error));
+                }
+            }
+        }
+        Judged {
+            level: Some(level),
+            deviation,
+            loose,
+            proven,
+        }
     }
 }
 

@@ -26,6 +26,7 @@ mod flatten;
 mod joints;
 mod layout;
 mod lines;
+mod measured;
 mod options;
 mod partial;
 mod partners;
@@ -225,6 +226,7 @@ impl Task<'_> {
                 least: self.least_cells(i),
                 max: left,
                 plain: plain[i],
+                joined: self.shared.joined(i),
             };
             let done = layout(s.as_ref(), &demand).map_err(|e| match e {
                 MeshError::TooMany { needed, .. } => MeshError::TooMany {

@@ -13,15 +13,16 @@
 //!   y and z of `e - r_u e_x / r_u,x`. Likewise at a side `u = const`;
 //! - *anywhere*: `d = 0`. There remains `|e|`.
 //!
-//! **Theorem.** Let τ be at least what remains with what is added in all squares, and `p + d` in the domain. Then the
-//! two-sided Hausdorff distance between `r(D)` and `L(D)` is at most τ.
+//! **Theorem.** Let τ be at least what remains with what is added, in all squares, let α be at least what is added, and
+//! `p + d` in the domain. Then the two-sided Hausdorff distance between `r(D)` and `L(D)` is at most `τ + α`.
 //!
-//! *Proof.* Every point of the mesh has a partner by what was said. Now let `F(p)` be `{p + d(p)}` inside the squares and
-//! the segment (or hull) of all choices on their common sides. There `λ ↦ |J d_λ - e| + ½ sup |D²r[d_λ, d_λ]|` is convex in
-//! the choice, so all points of `F(p)` are partners within τ. `F` is upper semicontinuous with convex values, and maps
-//! every side of the domain into itself, since squares at a side slide along it and those in a corner not at all. It so
-//! has continuous selections as near to its graph as we like (Cellina), of degree 1 on the border; they reach every
-//! parameter, and in the limit `F` does: every point of the surface is the partner of a point of the mesh. ∎
+//! *Proof.* Every point of the mesh has a partner within τ by what was said. Now let `F(p)` be `{p + d(p)}` inside the
+//! squares and the hull of all choices `p + d_i` on their common sides. The surface over that hull leaves the flat hull of
+//! the points `r(p + d_i)` by at most `½ max sup |D²r[d_i - d_j, d_i - d_j]| / 4`, and as `(d_i - d_j)² ≤ 2 d_i² + 2 d_j²`
+//! for each absolute value, by at most α. `F` is upper semicontinuous with convex values, and maps every side of the domain
+//! into itself, since squares at a side slide along it and those in a corner not at all. So it has continuous selections as
+//! near to its graph as we like (Cellina), of degree 1 on the border; they reach every parameter, and in the limit `F`
+//! does: every point of the surface is within `τ + α` of a point of the mesh. ∎
 //!
 //! The components of `e` are bounded as those of any function by its second derivatives `Q` (`bound`): for a corner `p_i`
 //! of a triangle and `p = Σ λ_i p_i`, `e_c(p) = ½ Σ λ_i Q_i[p_i - p]` with `Q_i` a mean over a segment. If `Q` were one
@@ -43,6 +44,8 @@ use glam::{DMat3, DVec3};
 
 /// The neighbourhood of a square in which partners are looked for, as a share of its size.
 const ROOM: f64 = 1.0 / 16.0;
+/// The share of the tolerance that is left for points between the partners of different squares.
+pub(super) const BETWEEN: f64 = 1.0 / 64.0;
 
 /// A bound for the triangles that are `2 k` times (index 0) or `2 k + 1` times (1) bisected: `error / 4^k + added / 16^k`,
 /// if `slip / 4^k ≤ 1`.
@@ -53,25 +56,30 @@ pub(super) struct Bound {
     slip: [f64; 2],
     /// What is lost whatever the triangles.
     shift: f64,
-    /// The share of the error that comes from the variation of the derivatives.
-    pub(super) loose: f64,
 }
 
 impl Bound {
-    pub(super) fn deviation(&self, level: u32, grain: f64) -> f64 {
+    /// The bound of the error before any bisection.
+    pub(super) fn error(&self) -> f64 {
+        self.error[0]
+    }
+
+    /// The bound after some bisections; `None` if partners are too far away for it.
+    fn deviation(&self, level: u32, grain: f64, tol: f64) -> Option<f64> {
         let (k, odd) = (level / 2, level as usize % 2);
         let size = (0.5f64).powi(k as i32) + grain;
         let s = size * size;
-        if self.slip[odd] * s <= 1.0 {
-            (self.error[odd] * s + self.added[odd] * s * s + self.shift) * ROUND_UP
-        } else {
-            f64::INFINITY
-        }
+        let added = self.added[odd] * s * s;
+        (self.slip[odd] * s <= 1.0 && added <= BETWEEN * tol)
+            .then(|| (self.error[odd] * s + added + self.shift) * ROUND_UP)
     }
 
-    /// The fewest bisections that keep a tolerance.
-    pub(super) fn level(&self, tol: f64, grain: f64) -> Option<u32> {
-        (0..=2 * super::bisection::DEPTH).find(|&l| self.deviation(l, grain) <= tol)
+    /// The fewest bisections that keep a tolerance, with the bound after these.
+    pub(super) fn level(&self, tol: f64, grain: f64) -> Option<(u32, f64)> {
+        (0..=2 * super::bisection::DEPTH).find_map(|level| {
+            let deviation = self.deviation(level, grain, tol)?;
+            (deviation <= tol).then_some((level, deviation))
+        })
     }
 }
 
@@ -99,8 +107,8 @@ fn popoviciu([uu, uv, vv]: [f64; 3]) -> [f64; 2] {
 }
 
 impl Form {
-    /// What the middle and what the variation contribute to the greatest error of interpolation.
-    fn errors(&self) -> [[f64; 2]; 2] {
+    /// The greatest error of interpolation, for triangles that are an even and an odd number of times bisected.
+    fn error(&self) -> [f64; 2] {
         let [u, c, v] = self.0.map(Interval::mid);
         let radius = self.0.map(|i| 0.5 * i.width() * ROUND_UP);
         let (mean, half) = (0.5 * (u + v), (0.5 * (u - v)).hypot(c));
@@ -124,12 +132,8 @@ impl Form {
             };
             of(kinds[0]).max(of(kinds[1]))
         });
-        [middle, popoviciu(radius)]
-    }
-
-    fn error(&self) -> [f64; 2] {
-        let [middle, radius] = self.errors();
-        [0, 1].map(|k| middle[k] + radius[k])
+        let rest = popoviciu(radius);
+        [0, 1].map(|k| middle[k] + rest[k])
     }
 }
 
@@ -204,6 +208,15 @@ pub(super) fn bounds(
     out
 }
 
+/// The least error that smaller squares could be proven to have without more triangles.
+pub(super) fn within_reach(place: &Place, jet: &[Box3]) -> f64 {
+    let Some(turn) = frame(jet[1].mid(), jet[2].mid()) else {
+        return 0.0;
+    };
+    let sized = Sized::new(place, jet, &turn);
+    sized.form(|x| Interval::point(x.z.mid())).error()[0]
+}
+
 /// The derivatives along the sides of the rectangle, in a frame.
 struct Sized {
     first: [Box3; 2],
@@ -232,21 +245,16 @@ impl Sized {
 /// Partners with the same parameters.
 fn plain(place: &Place, jet: &[Box3]) -> Bound {
     let sized = Sized::new(place, jet, &DMat3::IDENTITY);
-    let parts = [0, 1, 2].map(|c| sized.form(|b| b.to_array()[c]).errors());
+    let parts = [0, 1, 2].map(|c| sized.form(|b| b.to_array()[c]).error());
     let [sum, norms] = [
-        [0, 1].map(|k| {
-            let part = |c: usize| parts[c][0][k] + parts[c][1][k];
-            part(0).hypot(part(1)).hypot(part(2))
-        }),
+        [0, 1].map(|k| parts[0][k].hypot(parts[1][k]).hypot(parts[2][k])),
         popoviciu(sized.norms()),
     ];
-    let radius = (0..3).map(|c| parts[c][1][0]).fold(0.0, f64::hypot);
     Bound {
         error: [0, 1].map(|k| if sum[k] <= norms[k] { sum[k] } else { norms[k] }),
         added: [0.0; 2],
         slip: [0.0; 2],
         shift: 0.0,
-        loose: radius / sum[0].min(norms[0]),
     }
 }
 
@@ -262,7 +270,6 @@ fn inside(place: &Place, jet: &[Box3]) -> Option<Bound> {
     let (mx, my) = (n.x / n.z, n.y / n.z);
     let across = sized.form(|x| x.z + mx * x.x + my * x.y);
     let within = [sized.form(|x| x.x).error(), sized.form(|x| x.y).error()];
-    let errors = across.errors();
     let flat = |x: Box3| x.x.mag().hypot(x.y.mag());
     let norms = sized.norms();
     let room = [0, 1].map(|d| place.room(d));
@@ -272,11 +279,10 @@ fn inside(place: &Place, jet: &[Box3]) -> Option<Bound> {
         [e * flat(b) / least, e * flat(a) / least]
     });
     Some(Bound {
-        error: [0, 1].map(|k| errors[0][k] + errors[1][k]),
+        error: across.error(),
         added: d.map(|[u, v]| 0.5 * (norms[0] * u * u + 2.0 * norms[1] * u * v + norms[2] * v * v)),
         slip: d.map(|[u, v]| (u / room[0]).max(v / room[1])),
         shift: 0.0,
-        loose: errors[1][0] / (errors[0][0] + errors[1][0]),
     })
 }
 
@@ -290,10 +296,10 @@ fn along(place: &Place, jet: &[Box3], dir: usize) -> Option<Bound> {
     }
     let (ty, tz) = (first.y / first.x, first.z / first.x);
     let parts = [
-        sized.form(|x| x.y - ty * x.x).errors(),
-        sized.form(|x| x.z - tz * x.x).errors(),
+        sized.form(|x| x.y - ty * x.x).error(),
+        sized.form(|x| x.z - tz * x.x).error(),
     ];
-    let of = |k: usize| (parts[0][0][k] + parts[0][1][k]).hypot(parts[1][0][k] + parts[1][1][k]);
+    let of = |k: usize| parts[0][k].hypot(parts[1][k]);
     let away = sized.form(|x| x.x).error().map(|e| e / first.x.lo);
     let second = sized.norms()[2 * dir];
     Some(Bound {
@@ -301,7 +307,6 @@ fn along(place: &Place, jet: &[Box3], dir: usize) -> Option<Bound> {
         added: away.map(|d| 0.5 * second * d * d),
         slip: away.map(|d| d / place.room(dir)),
         shift: 0.0,
-        loose: parts[0][1][0].hypot(parts[1][1][0]) / of(0),
     })
 }
 
@@ -316,7 +321,6 @@ fn fan(place: &Place, tip: &Tip, jet: &[Box3]) -> Bound {
         added: [0.0; 2],
         slip: [0.0; 2],
         shift: 2.0 * tip.size,
-        loose: 0.0,
     }
 }
 

@@ -446,6 +446,14 @@ impl Shared {
         least
     }
 
+    /// For each side of a surface whether other sides have the same points.
+    pub(super) fn joined(&self, surface: usize) -> [bool; 4] {
+        [0, 1, 2, 3].map(|side| {
+            let k = 4 * surface + side;
+            self.joins[k].is_some() || !self.followers[k].is_empty()
+        })
+    }
+
     /// True if something of the surface is shared or collapsed.
     pub(super) fn touches(&self, surface: usize) -> bool {
         let sides = 4 * surface..4 * surface + 4;

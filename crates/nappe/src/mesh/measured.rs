@@ -1,0 +1,197 @@
+//! How far the triangles of one square are from the surface: measured at samples, bounded between them.
+//!
+//! The bound of `partners` multiplies the greatest derivatives with the greatest turns of the normal. In squares of a few
+//! triangles that says several times too much. Here each triangle is cut into [`K`]² equal ones; their corners `p_s` get
+//! partners `p_s + d_s` like there, and the partner of `p = Σ λ_s p_s` is `p + Σ λ_s d_s`. As `L` is linear,
+//!
+//! `r(p + d) - L(p) = Σ λ_s (r(p_s + d_s) - L(p_s)) + [r(Σ λ_s (p_s + d_s)) - Σ λ_s r(p_s + d_s)]`:
+//!
+//! at most the largest of the distances at the samples, which are measured, and the error of interpolation over a part
+//! that is K times smaller (`bound`). The choice of partners is continuous, also from one triangle to the next, since it
+//! depends on `p_s` and `L(p_s)` alone; it keeps the sides of the domain. So this is one more kind of square in the theorem
+//! of `partners`.
+
+use super::partners::{BETWEEN, Place};
+use crate::box3::Box3;
+use crate::breaks::Limit;
+use crate::surface::{Surface, jet_len};
+use glam::DVec3;
+
+/// The parts of a triangle's edge.
+const K: usize = 8;
+/// Samples along the edges of a square: triangles around its centre have corners in the middle.
+const SIDE: usize = 2 * K + 1;
+
+/// The triangles of a square: those with its diagonal, which leads up if its lower corner is even, and those around its
+/// centre; in steps of samples.
+fn triangles(centre: bool, even: bool) -> Vec<[[usize; 2]; 3]> {
+    let [a, b, c, d] = [[0, 0], [2 * K, 0], [2 * K, 2 * K], [0, 2 * K]];
+    let m = [K, K];
+    match (centre, even) {
+        (true, _) => vec![[m, a, b], [m, b, c], [m, c, d], [m, d, a]],
+        (false, true) => vec![[b, c, a], [d, a, c]],
+        (false, false) => vec![[a, b, d], [c, d, b]],
+    }
+}
+
+/// True if a sample is on one of the marked sides.
+fn is_on([i, j]: [usize; 2], [south, north, west, east]: [bool; 4]) -> bool {
+    (south && j == 0) || (north && j + 1 == SIDE) || (west && i == 0) || (east && i + 1 == SIDE)
+}
+
+/// The samples of a square.
+pub(super) struct Samples {
+    /// The point and the derivatives along the sides of the square, v fastest.
+    jets: Vec<[DVec3; 3]>,
+    /// The greatest second derivatives along the sides of the square.
+    second: [f64; 3],
+    /// Where partners may be, as shares of the square.
+    room: [[f64; 2]; 2],
+    /// What partners may add.
+    most: f64,
+}
+
+impl Samples {
+    /// Takes the samples; `jet` is an enclosure of order 2 over the surroundings.
+    pub(super) fn new(surface: &dyn Surface, place: &Place, jet: &[Box3], tol: f64) -> Self {
+        let size = place.uv.map(|r| r.width());
+        let params = place.uv.map(|r| -> Vec<f64> {
+            (0..SIDE)
+                .map(|k| match k {
+                    0 => r.lo,
+                    _ if k + 1 == SIDE => r.hi,
+                    _ => r.lo + r.width() * (k as f64 / (SIDE - 1) as f64),
+                })
+                .collect()
+        });
+        let mut jets = vec![[DVec3::ZERO; jet_len(1)]; SIDE * SIDE];
+        let [us, vs] = &params;
+        if surface.domain() == place.block {
+            surface.grid_jets(us, vs, 1, jets.as_flattened_mut());
+        } else {
+            // Derivatives from inside the block.
+            let uv = us.iter().flat_map(|&u| vs.iter().map(move |&v| [u, v]));
+            for (uv, jet) in uv.zip(&mut jets) {
+                let limit = [0, 1].map(|d| {
+                    if uv[d] >= place.block[d].hi {
+                        Limit::Below
+                    } else {
+                        Limit::Above
+                    }
+                });
+                surface.jet_into(uv, limit, 1, jet);
+            }
+        }
+        for jet in &mut jets {
+            jet[1] *= size[0];
+            jet[2] *= size[1];
+        }
+        let around = place.surroundings();
+        Self {
+            jets,
+            second: [
+                jet[3].norm().hi * size[0] * size[0],
+                jet[4].norm().hi * size[0] * size[1],
+                jet[5].norm().hi * size[1] * size[1],
+            ],
+            most: BETWEEN * tol,
+            room: [0, 1].map(|d| {
+                let (r, a) = (place.uv[d], around[d]);
+                [(a.lo - r.lo) / r.width(), (a.hi - r.lo) / r.width()]
+            }),
+        }
+    }
+
+    /// The bound for the triangles with the diagonal or around the centre; sides marked may get further vertices.
+    pub(super) fn error(&self, centre: bool, even: bool, open: [bool; 4]) -> f64 {
+        let all = triangles(centre, even).into_iter();
+        // NaN must not get lost.
+        all.map(|t| self.triangle(t, open))
+            .fold(0.0, |a, b| if b <= a { a } else { b })
+    }
+
+    fn triangle(&self, corners: [[usize; 2]; 3], open: [bool; 4]) -> f64 {
+        let at = |[i, j]: [usize; 2]| &self.jets[i * SIDE + j];
+        let tips = corners.map(|c| at(c)[0]);
+        let (mut worst, mut edge) = (0.0f64, None);
+        let (mut far, mut uneven) = ([0.0f64; 2], [0.0f64; 2]);
+        let mut before = [[0.0; 2]; K + 1];
+        for i in 0..=K {
+            let mut row = [[0.0; 2]; K + 1];
+            for j in 0..=K - i {
+                let weights = [i, j, K - i - j];
+                let place =
+                    [0, 1].map(|d| (0..3).map(|k| weights[k] * corners[k][d]).sum::<usize>() / K);
+                let jet = at(place);
+                let [a, b, c] = weights.map(|w| w as f64 / K as f64);
+                let e = tips[0] * a + tips[1] * b + tips[2] * c - jet[0];
+                let d = self.partner(place, jet, e);
+                let distance = (e - jet[1] * d[0] - jet[2] * d[1]).length();
+                if !distance.is_finite() {
+                    return f64::INFINITY;
+                }
+                worst = worst.max(distance);
+                if is_on(place, open) {
+                    edge = Some(e.length().max(edge.unwrap_or(0.0)));
+                }
+                for k in 0..2 {
+                    far[k] = far[k].max(d[k].abs());
+                    let mut compare = |o: [f64; 2]| uneven[k] = uneven[k].max((d[k] - o[k]).abs());
+                    if j > 0 {
+                        compare(row[j - 1]);
+                    }
+                    if i > 0 {
+                        compare(before[j]);
+                        compare(before[j + 1]);
+                    }
+                }
+                row[j] = d;
+            }
+            before = row;
+        }
+        let size = [0, 1].map(|d| {
+            let all = corners.map(|c| c[d]);
+            let extent = all.iter().max().unwrap_or(&0) - all.iter().min().unwrap_or(&0);
+            extent as f64 / (2 * K * K) as f64 + uneven[d]
+        });
+        let added = 0.5 * self.form(far);
+        if added <= self.most {
+            // Further vertices on an edge move the points of the triangle by no more than the edge leaves the surface.
+            let between = 0.125 * self.form(size);
+            let moved = edge.map_or(0.0, |e| e + between);
+            worst + added + between + moved
+        } else {
+            f64::INFINITY
+        }
+    }
+
+    fn form(&self, [u, v]: [f64; 2]) -> f64 {
+        let [uu, uv, vv] = self.second;
+        uu * u * u + 2.0 * uv * u * v + vv * v * v
+    }
+
+    /// The way to the partner of a sample, as shares of the square: what lies in the tangent plane, but not out of the room
+    /// and not away from a side of the block.
+    fn partner(&self, place: [usize; 2], [_, a, b]: &[DVec3; 3], e: DVec3) -> [f64; 2] {
+        let at = place.map(|k| k as f64 / (SIDE - 1) as f64);
+        let held = [0, 1].map(|d| self.room[d].contains(&at[d]));
+        let d = match held {
+            [true, true] => [0.0; 2],
+            [false, true] => [a.dot(e) / a.length_squared(), 0.0],
+            [true, false] => [0.0, b.dot(e) / b.length_squared()],
+            [false, false] => {
+                let n = a.cross(*b);
+                let area = n.length_squared();
+                [e.cross(*b).dot(n) / area, a.cross(e).dot(n) / area]
+            }
+        };
+        [0, 1].map(|k| {
+            let [lo, hi] = self.room[k];
+            if d[k].is_finite() {
+                (at[k] + d[k]).clamp(lo, hi) - at[k]
+            } else {
+                0.0
+            }
+        })
+    }
+}
