@@ -1,7 +1,7 @@
 //! The vertices on the borders of leaves: neighbours share them.
 
 use super::layout::Layout;
-use crate::surface::{Dir, Side};
+use crate::surface::Dir;
 use std::collections::HashMap;
 
 /// A parameter pair as a key.
@@ -34,32 +34,52 @@ impl Lines {
                 }
             }
         }
-        for line in lines.0.iter_mut().flat_map(HashMap::values_mut) {
-            line.sort_by(f64::total_cmp);
-            line.dedup();
-        }
+        lines
+            .0
+            .iter_mut()
+            .flat_map(HashMap::values_mut)
+            .for_each(order);
         lines
     }
 
-    /// Replaces the vertices along a side at the parameter `at`.
-    pub(super) fn set(&mut self, side: Side, at: f64, params: Vec<f64>) {
-        self.0[index(side.across())].insert(bits(at), params);
-    }
-
-    /// All vertices on the line where the parameter `across` is `at`.
-    pub(super) fn on(&self, across: Dir, at: f64) -> &[f64] {
-        self.0[index(across)]
-            .get(&bits(at))
-            .map_or(&[], Vec::as_slice)
+    /// Replaces the vertices on the line where the parameter `across` is `at`.
+    pub(super) fn set(&mut self, across: Dir, at: f64, params: Vec<f64>) {
+        self.0[index(across)].insert(bits(at), params);
     }
 
     /// The vertices strictly between two others on a line.
     pub(super) fn between(&self, across: Dir, at: f64, from: f64, to: f64) -> &[f64] {
-        let line = self.on(across, at);
+        let line = self.0[index(across)]
+            .get(&bits(at))
+            .map_or(&[][..], Vec::as_slice);
         let first = line.partition_point(|&t| t <= from);
         let last = line.partition_point(|&t| t < to);
         &line[first..last.max(first)]
     }
+}
+
+/// The other parameter of every corner of a cell on the line where the parameter `across` is `at`, increasing, if the line
+/// is on the border of leaves.
+pub(super) fn on(layout: &Layout, across: Dir, at: f64) -> Vec<f64> {
+    let d = index(across);
+    let mut line = Vec::new();
+    for leaf in &layout.leaves {
+        let [part, along] = [d, 1 - d].map(|d| (leaf.parts[d], layout.blocks[d][leaf.block[d]]));
+        if [0, part.0.n]
+            .into_iter()
+            .any(|i| part.0.at(part.1, i) == at)
+        {
+            line.extend(along.0.params(along.1));
+        }
+    }
+    order(&mut line);
+    line
+}
+
+/// Puts the parameters on a line in order, each once.
+fn order(line: &mut Vec<f64>) {
+    line.sort_by(f64::total_cmp);
+    line.dedup();
 }
 
 /// 0 for u, 1 for v.

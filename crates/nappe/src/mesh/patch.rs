@@ -43,12 +43,15 @@ pub(super) struct Builder<'a> {
     pub(super) index: usize,
     pub(super) surface: &'a dyn Surface,
     pub(super) layout: &'a Layout,
-    pub(super) lines: &'a Lines,
+    pub(super) lines: Lines,
     /// The lines that are one point each.
     pub(super) collapsed: Vec<Collapsed>,
     /// The points on the borders of leaves.
     pub(super) on_lines: HashMap<Key, u32>,
-    pub(super) points: &'a mut Vec<DVec3>,
+    /// The points that it shares with others.
+    pub(super) shared: &'a [DVec3],
+    /// Its own points, numbered after the shared ones.
+    pub(super) own: Vec<DVec3>,
     /// The vertices on the borders of leaves, one for each block: blocks differ in the normal.
     pub(super) vertex_of: HashMap<([usize; 2], Key), u32>,
     pub(super) patch: MeshPatch,
@@ -122,8 +125,7 @@ impl Builder<'_> {
                             Dir::U => (vs[j + usize::from(side.is_upper())], us[i], us[i + 1]),
                             Dir::V => (us[i + usize::from(side.is_upper())], vs[j], vs[j + 1]),
                         };
-                        let lines = self.lines;
-                        for &t in lines.between(side.across(), at, from, to) {
+                        for t in self.lines.between(side.across(), at, from, to).to_vec() {
                             let uv = match side.along() {
                                 Dir::U => [t, at],
                                 Dir::V => [at, t],
@@ -200,8 +202,8 @@ impl Builder<'_> {
                 uv,
             });
         }
-        self.points.push(p);
-        Ok(self.points.len() as u32 - 1)
+        self.own.push(p);
+        Ok((self.shared.len() + self.own.len()) as u32 - 1)
     }
 
     fn add_vertex(&mut self, place: &Place, uv: [f64; 2], point: u32) -> u32 {
@@ -233,7 +235,7 @@ impl Builder<'_> {
         if let Some(l) = line {
             self.collapsed[l].point.get_or_insert(point);
         }
-        let gap = self.points[point as usize].distance(p);
+        let gap = self.place_of(point).distance(p);
         if gap.is_nan() {
             return Err(MeshError::NotFinite {
                 surface: self.index,
@@ -251,6 +253,12 @@ impl Builder<'_> {
         };
         self.vertex_of.insert(at, vertex);
         Ok(vertex)
+    }
+
+    fn place_of(&self, point: u32) -> DVec3 {
+        let point = point as usize;
+        let own = || self.own[point - self.shared.len()];
+        self.shared.get(point).copied().unwrap_or_else(own)
     }
 
     fn point_of(&self, vertex: u32, poles: &[Pole]) -> u32 {
@@ -271,7 +279,7 @@ impl Builder<'_> {
 
     /// Twice the area over the square of the longest edge, negative if the triangle must turn the other way.
     fn quality(&self, place: &Place, t: [u32; 3], poles: &[Pole]) -> f64 {
-        let [a, b, c] = t.map(|v| self.points[self.point_of(v, poles) as usize]);
+        let [a, b, c] = t.map(|v| self.place_of(self.point_of(v, poles)));
         let (x, y) = (b - a, c - a);
         let longest = x
             .length_squared()
@@ -331,7 +339,7 @@ impl Builder<'_> {
         }
         let mut sums = vec![DVec3::ZERO; self.patch.vertices.len()];
         for t in &self.patch.triangles {
-            let [a, b, c] = t.map(|v| self.points[self.patch.vertices[v as usize].point as usize]);
+            let [a, b, c] = t.map(|v| self.place_of(self.patch.vertices[v as usize].point));
             let n = (b - a).cross(c - a);
             for &v in t {
                 sums[v as usize] += n;

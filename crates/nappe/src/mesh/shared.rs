@@ -448,11 +448,7 @@ impl Shared {
 
     /// True if something of the surface is shared or collapsed.
     pub(super) fn touches(&self, surface: usize) -> bool {
-        let sides = 4 * surface..4 * surface + 4;
-        sides.clone().any(|k| self.collapsed[k])
-            || self.joins.iter().enumerate().any(|(k, j)| {
-                j.as_ref()
-                    .is_some_and(|j| sides.contains(&k) || sides.contains(&j.leader))
-            })
+        (4 * surface..4 * surface + 4)
+            .any(|k| self.collapsed[k] || self.joins[k].is_some() || !self.followers[k].is_empty())
     }
 }
