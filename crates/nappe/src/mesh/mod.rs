@@ -165,7 +165,7 @@ pub fn mesh(surfaces: &[SurfaceRef], options: &MeshOptions) -> Result<Mesh, Mesh
         tol,
         weld,
         rounding,
-        shared: shared::find(surfaces, weld),
+        shared: shared::find(surfaces, weld, threads),
         threads,
         done: Mutex::new(0),
     };
