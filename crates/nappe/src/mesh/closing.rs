@@ -40,23 +40,25 @@ pub(crate) fn within(surface: &dyn Surface, weld: f64) -> [Within; 4] {
 
 /// The length of the longest of some lines along a direction.
 fn longest(surface: &dyn Surface, dir: Dir) -> f64 {
-    let line = match dir {
-        Dir::U => Side::South,
-        Dir::V => Side::West,
+    let [u, v] = [Side::South, Side::West].map(|side| {
+        let edge = Edge::new(surface, side);
+        if side.along() == dir {
+            edge.parts(PARTS)
+        } else {
+            (0..LINES)
+                .map(|k| edge.sample(2 * k + 1, 2 * LINES))
+                .collect()
+        }
+    });
+    let mut points = vec![DVec3::ZERO; u.len() * v.len()];
+    surface.grid(&u, &v, &mut points);
+    let line = |k: usize| -> Vec<DVec3> {
+        match dir {
+            Dir::U => points.iter().skip(k).step_by(LINES).copied().collect(),
+            Dir::V => points[k * v.len()..][..v.len()].to_vec(),
+        }
     };
-    let line = Edge::new(surface, line);
-    let domain = surface.domain();
-    let across = Edge {
-        range: domain[index(line.side.across())],
-        ..line
-    };
-    (0..LINES)
-        .map(|k| {
-            let at = across.sample(2 * k + 1, 2 * LINES);
-            let line = Edge { at, ..line };
-            length(&line.points(&line.parts(PARTS)))
-        })
-        .fold(0.0, f64::max)
+    (0..LINES).map(|k| length(&line(k))).fold(0.0, f64::max)
 }
 
 /// The length of a polygon.

@@ -103,7 +103,7 @@ struct Line<'a> {
 
 impl<'a> Line<'a> {
     fn new(edge: Edge<'a>, number: usize, within: f64) -> Self {
-        let points = edge.points(&edge.parts(GUESSES));
+        let points = edge.points(&edge.parts(SAMPLES));
         // Between samples the side may leave the box of its samples, by about as much as they are apart.
         let steps = points.windows(2).map(|p| p[0].distance(p[1]));
         let margin = within + steps.fold(0.0, f64::max);
