@@ -21,8 +21,9 @@ pub(crate) fn each<R: Send>(
     enough: impl Fn(&R) -> bool + Sync,
 ) -> Vec<R> {
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let share = count.div_ceil(threads.max(1));
     let take = || {
-        let mut done = Vec::new();
+        let mut done = Vec::with_capacity(share);
         while !stop.load(Ordering::Relaxed) {
             let i = next.fetch_add(1, Ordering::Relaxed);
             if i >= count {

@@ -7,7 +7,8 @@
 //! 3. `stitch`: the vertices on a shared side are the union of what its surfaces ask for, as points of the first of them;
 //! 4. `patch`: each cell is cut into triangles (`zip`) that also take in the vertices of finer neighbours.
 //!
-//! The layout and the triangles of different surfaces are independent of each other.
+//! The layout and the triangles of different surfaces are independent of each other, and are made on several threads; in
+//! between, one thread finds and numbers the points on their sides.
 
 use crate::breaks::Breaks;
 use crate::parallel;
@@ -130,9 +131,11 @@ const SAMPLES: usize = 16;
 /// Each patch states the deviation reached: [`Certainty::Bounded`] is a proof from enclosed second derivatives, see the
 /// theorem in `mesh/bound.rs`; [`Certainty::Estimated`] means that a surface could not enclose itself somewhere, and
 /// samples were used. Vertices are computed in floating point; for their rounding errors 10⁻¹³ of the largest coordinate
-/// is included, the accuracy to which every surface is held. The same input gives the same mesh, byte for byte.
+/// is included, the accuracy to which every surface is held. The same input gives the same mesh, byte for byte, on any
+/// number of threads; each works on one surface at a time.
 ///
-/// Errors: see [`MeshError`]. Cost: proportional to the number of triangles, and some enclosures for each leaf.
+/// Errors: see [`MeshError`]; of several surfaces with errors the first is named. Cost: proportional to the number of
+/// surfaces and of triangles, and some enclosures for each leaf.
 ///
 /// Limits: sides are joined whole. Where one side meets only a part of another, or two closed sides start at different
 /// points, the mesh has two borders that agree within the tolerance; [`partial_joints`] finds these.

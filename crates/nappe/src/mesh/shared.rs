@@ -357,6 +357,14 @@ impl Measured {
     }
 }
 
+/// What a side may be joined to.
+struct Candidates {
+    /// The earlier sides whose ends agree with its own.
+    near: Vec<usize>,
+    /// How the first of these matches: most often it leads.
+    map: Option<Map>,
+}
+
 /// Finds what is shared within `weld`, or within a small share of what is smaller than that (see `closing`), on some
 /// threads. Cost: proportional to the number of sides, and some hundred points for each pair whose ends agree.
 pub(super) fn find(surfaces: &[SurfaceRef], weld: f64, threads: usize) -> Shared {
@@ -372,36 +380,37 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64, threads: usize) -> Shared
         let within = sides[a].within(&sides[b]);
         matching(&edge(surfaces, a), &edge(surfaces, b), within)
     };
-    // For each side the earlier ones whose ends agree, and how the first of them matches: most often it leads.
     let candidates = |b: usize| {
         if sides[b].collapsed {
-            return (SmallVec::<[usize; 2]>::new(), None);
+            return None;
         }
         let near = places.near(sides[b].tips).into_iter();
-        let near = near.filter(|&a| a < b && sides[a].ends_meet(&sides[b]));
-        let near: SmallVec<[usize; 2]> = near.collect();
-        let first = near.first().and_then(|&a| join(a, b));
-        (near, first)
+        let near: Vec<usize> = near
+            .filter(|&a| a < b && sides[a].ends_meet(&sides[b]))
+            .collect();
+        let map = join(*near.first()?, b);
+        Some(Box::new(Candidates { near, map }))
     };
     let candidates = parallel::each(threads, count, candidates, |_| false);
+    drop(places);
     let mut corners: Vec<usize> = (0..count).collect();
     let mut joins: Vec<Option<Join>> = vec![None; count];
-    for (b, (near, mut first)) in candidates.into_iter().enumerate() {
+    for (b, candidates) in candidates.into_iter().enumerate() {
         if sides[b].collapsed {
             let [s, e] = ends(b);
             unite(&mut corners, s, e);
             continue;
         }
-        let leaders = near.iter().filter(|&&a| joins[a].is_none());
-        joins[b] = leaders.into_iter().find_map(|&a| {
-            let map = if a == near[0] {
-                first.take()
-            } else {
-                join(a, b)
-            };
-            Some(Join {
-                leader: a,
-                map: map?,
+        joins[b] = candidates.and_then(|c| {
+            let Candidates { near, mut map } = *c;
+            let leaders = near.iter().filter(|&&a| joins[a].is_none());
+            leaders.into_iter().find_map(|&leader| {
+                let map = if leader == near[0] {
+                    map.take()
+                } else {
+                    join(leader, b)
+                };
+                Some(Join { leader, map: map? })
             })
         });
         if let Some(join) = &joins[b] {
