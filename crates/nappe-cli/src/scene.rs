@@ -164,10 +164,11 @@ pub(crate) fn visible(
             }
         }
     };
+    let is_shown = |i: usize| shown.binary_search(&i).is_ok();
     let mut patches = mesh.patches.into_iter();
     mesh.patches = (0..named.len())
         .map(|i| {
-            let drawn = shown.contains(&i).then(|| patches.next()).flatten();
+            let drawn = is_shown(i).then(|| patches.next()).flatten();
             drawn.unwrap_or(MeshPatch {
                 vertices: Vec::new(),
                 triangles: Vec::new(),
@@ -176,7 +177,7 @@ pub(crate) fn visible(
         })
         .collect();
     let name = |i: usize| named[i].name.clone();
-    let left_out = (0..named.len()).filter(|i| !shown.contains(i));
+    let left_out = (0..named.len()).filter(|&i| !is_shown(i));
     let left_out = left_out.map(name).collect();
     let scene = Scene {
         mesh,

@@ -2,7 +2,7 @@
 //! it; or in part only.
 
 use crate::text::{bound, number};
-use nappe::mesh::{Joint, PartialJoint, joints, partial_joints};
+use nappe::mesh::{Joint, Joints, PartialJoint, joints, partial_joints};
 use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_model::{Model, NamedSurface};
 use serde_json::{Value, json};
@@ -12,8 +12,12 @@ pub(crate) const JOINED: f64 = 0.05;
 
 /// Where the mesh is not watertight although sides meet there, in words.
 pub(crate) fn notes(model: &Model, tolerance: f64) -> Vec<String> {
-    let mut notes = slits(model, tolerance);
-    notes.extend(turned(model, tolerance));
+    let named: Vec<&NamedSurface> = model.output().collect();
+    let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
+    let joined = joints(&surfaces, JOINED * tolerance);
+    let near = joints(&surfaces, tolerance);
+    let mut notes = slits(model, &joined, &near, tolerance);
+    notes.extend(turned(model, &joined));
     notes.extend(Partial::of(model, tolerance).notes());
     notes
 }
@@ -35,8 +39,8 @@ impl<'a> Partial<'a> {
         Self { named, found }
     }
 
-    fn name(&self, (i, side): (usize, Side)) -> String {
-        format!("{}.{side}", self.named[i].name)
+    fn name(&self, side: (usize, Side)) -> String {
+        name(&self.named, side)
     }
 
     /// The parameters where `along` is to be split, so that whole sides meet.
@@ -103,48 +107,46 @@ impl<'a> Partial<'a> {
     }
 }
 
+/// The name of a side of what the model puts out.
+fn name(named: &[&NamedSurface], (i, side): (usize, Side)) -> String {
+    format!("{}.{side}", named[i].name)
+}
+
 /// The surfaces whose triangles run against those of their neighbours, in words.
-fn turned(model: &Model, tolerance: f64) -> Option<String> {
-    let named: Vec<&NamedSurface> = model.output().collect();
-    let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
-    let name = |(i, side): (usize, Side)| format!("{}.{side}", named[i].name);
-    let joined = joints(&surfaces, JOINED * tolerance).joints;
-    let turned: Vec<&Joint> = joined.iter().filter(|j| j.is_turned()).collect();
+fn turned(model: &Model, joined: &Joints) -> Option<String> {
+    let turned: Vec<&Joint> = joined.joints.iter().filter(|j| j.is_turned()).collect();
     let first = turned.first()?;
     let more = match turned.len() {
         1 => String::new(),
         n => format!(" and along {} more shared sides", n - 1),
     };
+    let named: Vec<&NamedSurface> = model.output().collect();
     Some(format!(
         "note: the normals are on different sides along {} – {}{more}\n  help: .stl and .3mf are written with the \
          triangles of neighbours in one direction; the other formats keep that of each surface, u to v",
-        name(first.first),
-        name(first.second)
+        name(&named, first.first),
+        name(&named, first.second)
     ))
 }
 
-/// The pairs of sides that leave a slit in the mesh, in words.
-fn slits(model: &Model, tolerance: f64) -> Vec<String> {
+/// The pairs of sides that are near each other within the tolerance but leave a slit in the mesh, in words.
+fn slits(model: &Model, joined: &Joints, near: &Joints, tolerance: f64) -> Vec<String> {
     let named: Vec<&NamedSurface> = model.output().collect();
-    let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
     let unit = model.units.symbol();
-    let open = joints(&surfaces, JOINED * tolerance).open;
-    let is_open = |(i, side): (usize, _)| open[i].contains(&side);
-    let name = |(i, side): (usize, Side)| format!("{}.{side}", named[i].name);
+    let is_open = |(i, side): (usize, _)| joined.open[i].contains(&side);
     let slit = |j: &Joint| {
         format!(
             "note: {} and {} nearly meet, but with a gap of {} {unit} they are not joined: the mesh has a slit there\n  \
              help: the mesh joins sides within {} {unit}, a twentieth of its tolerance: move the sides together, or set a \
              tolerance of {} {unit} or more",
-            name(j.first),
-            name(j.second),
+            name(&named, j.first),
+            name(&named, j.second),
             number(j.gap, 4),
             number(JOINED * tolerance, 4),
             bound(j.gap / JOINED, 2),
         )
     };
-    joints(&surfaces, tolerance)
-        .joints
+    near.joints
         .iter()
         .filter(|j| j.gap > JOINED * tolerance && (is_open(j.first) || is_open(j.second)))
         .map(slit)

@@ -37,19 +37,13 @@ pub(crate) fn write_text(
     out: &mut dyn Write,
     ticker: Ticker<'_>,
 ) -> io::Result<Tally> {
-    let (mut document, tally) = document(scene);
-    // The buffer comes last and is streamed: a large mesh as one string would be in memory twice.
-    let bytes = document["buffers"][0]["byteLength"].clone();
-    let has_buffer = !bytes.is_null();
-    if let Some(object) = document.as_object_mut() {
-        object.remove("buffers");
-    }
-    let text = document.to_string();
-    if !has_buffer {
-        out.write_all(text.as_bytes())?;
+    let Document { text, bytes, tally } = document(scene);
+    out.write_all(text.as_bytes())?;
+    if bytes == 0 {
+        out.write_all(b"}")?;
         return Ok(tally);
     }
-    out.write_all(text.strip_suffix('}').unwrap_or(&text).as_bytes())?;
+    // The buffer comes last and is streamed: a large mesh as one string would be in memory twice.
     write!(
         out,
         r#","buffers":[{{"byteLength":{bytes},"uri":"data:application/octet-stream;base64,"#
@@ -69,9 +63,12 @@ pub(crate) fn write_binary(
     out: &mut dyn Write,
     ticker: Ticker<'_>,
 ) -> io::Result<Tally> {
-    let (document, tally) = document(scene);
-    let bytes = document["buffers"][0]["byteLength"].as_u64().unwrap_or(0);
-    let mut text = document.to_string().into_bytes();
+    let Document { text, bytes, tally } = document(scene);
+    let mut text = text.into_bytes();
+    if bytes > 0 {
+        write!(text, r#","buffers":[{{"byteLength":{bytes}}}]"#)?;
+    }
+    text.push(b'}');
     text.resize(text.len().next_multiple_of(4), b' ');
     let body = if bytes > 0 { 8 + bytes } else { 0 };
     let total = u32::try_from(12 + 8 + text.len() as u64 + body).map_err(io::Error::other)?;
@@ -120,11 +117,30 @@ fn is_short(patch: &MeshPatch) -> bool {
     patch.vertices.len() <= MOST_SHORT_VERTICES
 }
 
+/// A JSON list as text: as a tree the entries of many surfaces would take more memory than their mesh.
+#[derive(Default)]
+struct List {
+    text: String,
+    len: usize,
+}
+
+impl List {
+    /// Adds an entry and returns its index.
+    fn push(&mut self, entry: &Value) -> usize {
+        if self.len > 0 {
+            self.text.push(',');
+        }
+        self.text += &entry.to_string();
+        self.len += 1;
+        self.len - 1
+    }
+}
+
 /// Gathers accessors and their views of the one buffer, in the order in which `write_buffer` writes.
 #[derive(Default)]
 struct Layout {
-    views: Vec<Value>,
-    accessors: Vec<Value>,
+    views: List,
+    accessors: List,
     bytes: u64,
 }
 
@@ -134,11 +150,9 @@ impl Layout {
         if let Some(target) = target {
             view["target"] = target.into();
         }
-        accessor["bufferView"] = self.views.len().into();
-        self.views.push(view);
-        self.accessors.push(accessor);
+        accessor["bufferView"] = self.views.push(&view).into();
         self.bytes += bytes.next_multiple_of(4);
-        self.accessors.len() - 1
+        self.accessors.push(&accessor)
     }
 
     fn positions(&mut self, count: usize, bounds: [Vec3; 2]) -> usize {
@@ -161,18 +175,34 @@ fn bounds(points: impl Iterator<Item = Vec3>) -> [Vec3; 2] {
     })
 }
 
-fn document(scene: &Scene) -> (Value, Tally) {
+/// The JSON without what says where the numbers are.
+struct Document {
+    /// Without the last bracket.
+    text: String,
+    /// The length of the numbers.
+    bytes: u64,
+    tally: Tally,
+}
+
+fn document(scene: &Scene) -> Document {
     let store = store(scene);
     let (mut tally, mut layout) = (Tally::default(), Layout::default());
-    let (mut nodes, mut meshes, mut materials, mut colours) =
-        (vec![Value::Null], vec![], vec![], Vec::<Colour>::new());
+    let (mut nodes, mut meshes, mut materials, mut colours) = (
+        List::default(),
+        List::default(),
+        List::default(),
+        Vec::<Colour>::new(),
+    );
+    // The root comes first and holds all others.
+    let count = scene.parts.len() + scene.curves.len();
+    nodes.push(&root(scene, count));
     let mut material = |colour: Colour, name: &str| {
         if let Some(known) = colours.iter().position(|c| *c == colour) {
             return known;
         }
         colours.push(colour);
         let [r, g, b] = colour.map(linear);
-        materials.push(json!({
+        materials.push(&json!({
             "name": name,
             "doubleSided": true,
             "pbrMetallicRoughness": {"baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.55},
@@ -211,14 +241,14 @@ fn document(scene: &Scene) -> (Value, Tally) {
                 3 * kept as u64 * width,
                 accessor,
             );
-            node["mesh"] = meshes.len().into();
-            meshes.push(json!({"name": part.name, "primitives": [{
+            let mesh = meshes.push(&json!({"name": part.name, "primitives": [{
                 "attributes": {"POSITION": position, "NORMAL": normal, "TEXCOORD_0": uv},
                 "indices": indices,
                 "material": material(part.colour, &part.name),
             }]}));
+            node["mesh"] = mesh.into();
         }
-        nodes.push(node);
+        nodes.push(&node);
     }
     for curve in &scene.curves {
         curve
@@ -229,38 +259,40 @@ fn document(scene: &Scene) -> (Value, Tally) {
             curve.points.len(),
             bounds(curve.points.iter().map(|&p| store.single(p))),
         );
-        nodes.push(json!({"name": curve.name, "mesh": meshes.len()}));
-        meshes.push(json!({"name": curve.name, "primitives": [{
+        let mesh = meshes.push(&json!({"name": curve.name, "primitives": [{
             "attributes": {"POSITION": position}, "mode": LINE_STRIP, "material": material(LINE_COLOUR, "line"),
         }]}));
+        nodes.push(&json!({"name": curve.name, "mesh": mesh}));
     }
-    nodes[0] = root(scene, nodes.len());
-    let mut document = json!({
-        "asset": {
-            "version": "2.0",
-            "generator": concat!("nappe ", env!("CARGO_PKG_VERSION")),
-            "extras": {
-                "units": scene.units.symbol(),
-                "deviation": deviation(scene.deviation()),
-                "rounding": tally.rounding,
-            },
+    let asset = json!({
+        "version": "2.0",
+        "generator": concat!("nappe ", env!("CARGO_PKG_VERSION")),
+        "extras": {
+            "units": scene.units.symbol(),
+            "deviation": deviation(scene.deviation()),
+            "rounding": tally.rounding,
         },
-        "scene": 0,
-        "scenes": [{"nodes": [0]}],
-        "nodes": nodes,
     });
-    if layout.bytes > 0 {
-        document["meshes"] = meshes.into();
-        document["materials"] = materials.into();
-        document["accessors"] = layout.accessors.into();
-        document["bufferViews"] = layout.views.into();
-        document["buffers"] = json!([{"byteLength": layout.bytes}]);
+    let mut text = format!(r#"{{"asset":{asset},"scene":0,"scenes":[{{"nodes":[0]}}]"#);
+    let lists = [
+        ("nodes", nodes),
+        ("meshes", meshes),
+        ("materials", materials),
+        ("accessors", layout.accessors),
+        ("bufferViews", layout.views),
+    ];
+    for (name, list) in lists.into_iter().filter(|(_, list)| list.len > 0) {
+        text += &format!(r#","{name}":[{}]"#, list.text);
     }
-    (document, tally)
+    Document {
+        text,
+        bytes: layout.bytes,
+        tally,
+    }
 }
 
 /// Turns z up into y up, (x, y, z) → (x, z, -y), and the scene's unit into metres.
-fn root(scene: &Scene, nodes: usize) -> Value {
+fn root(scene: &Scene, children: usize) -> Value {
     let metres = scene.units.metres();
     let m = middle(scene) * metres;
     let mut root = json!({
@@ -269,8 +301,8 @@ fn root(scene: &Scene, nodes: usize) -> Value {
         "rotation": [-FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2],
         "scale": [metres, metres, metres],
     });
-    if nodes > 1 {
-        root["children"] = (1..nodes).collect();
+    if children > 0 {
+        root["children"] = (1..=children).collect();
     }
     root
 }

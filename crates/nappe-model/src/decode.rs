@@ -5,9 +5,9 @@ use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::params::{self, Broken, Scope, Subject};
 use crate::registry::{Key, Kind, Need, Shape};
 use crate::value::{Node, Span, Table, Value};
-use nappe::DVec3;
 use nappe::expr::nearest;
 use nappe::surface::Side;
+use nappe::{DVec3, LARGEST_LENGTH};
 use std::f64::consts::{PI, TAU};
 
 /// Reads data with a scope of parameters and a list for what is wrong.
@@ -460,15 +460,17 @@ impl Decoder<'_> {
             .iter()
             .enumerate()
             .map(|(i, n)| {
-                let key = format!("{}[{i}]", subject.key);
-                let datum = self.datum(
-                    Subject {
-                        key: &key,
-                        ..subject
-                    },
-                    n,
-                    item,
-                )?;
+                let datum = match plain(n, item) {
+                    Some(datum) => datum,
+                    None => {
+                        let key = format!("{}[{i}]", subject.key);
+                        let subject = Subject {
+                            key: &key,
+                            ..subject
+                        };
+                        self.datum(subject, n, item)?
+                    }
+                };
                 Ok(Item {
                     span: n.span.clone(),
                     datum,
@@ -687,6 +689,26 @@ fn split_unit(text: &str) -> Option<(&str, f64)> {
             let free = number.ends_with(|c: char| !(c.is_alphabetic() || c == '_'));
             free.then_some((number, factor))
         })
+}
+
+/// A number or a vector of plain numbers, of which nets are full: nothing can be wrong with them that must be named.
+fn plain(node: &Node, shape: &Shape) -> Option<Datum> {
+    let number = |n: &Node| match n.value {
+        Value::Number(x) if x.abs() <= LARGEST_LENGTH => Some(x),
+        _ => None,
+    };
+    match (shape, &node.value) {
+        (Shape::Number, _) => number(node).map(Datum::Number),
+        (Shape::Vector, Value::List(list)) => match &list[..] {
+            [x, y, z] => Some(Datum::Vector(DVec3::new(
+                number(x)?,
+                number(y)?,
+                number(z)?,
+            ))),
+            _ => None,
+        },
+        _ => None,
+    }
 }
 
 /// The one of several shapes that a value is meant to have.

@@ -61,7 +61,7 @@ pub use schema::schema;
 /// The largest file in bytes.
 pub const MAX_FILE: usize = 64 << 20;
 /// The greatest number of curves and surfaces.
-pub const MAX_OBJECTS: usize = 20_000;
+pub const MAX_OBJECTS: usize = 200_000;
 /// The greatest number of parameters.
 pub const MAX_PARAMETERS: usize = 2_000;
 /// The greatest length of a chain of objects that refer to each other.

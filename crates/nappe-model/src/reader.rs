@@ -118,8 +118,8 @@ pub fn parse(text: &str, name: &str, overrides: &Overrides) -> Result<Model, Dia
                 .help("see https://toml.io for how tables, lists and texts are written"),
         );
     }
-    let top = value::table(text, tree.get_ref());
-    let model = read(&top, name, overrides, &mut diags, !faults.is_empty());
+    let top = value::table(text, tree.into_inner());
+    let model = read(top, name, overrides, &mut diags, !faults.is_empty());
     diags.sort();
     match model {
         Some(mut model) if !diags.has_errors() => {
@@ -133,19 +133,19 @@ pub fn parse(text: &str, name: &str, overrides: &Overrides) -> Result<Model, Dia
 /// Reads everything that can be read. After a syntax error what is there is checked, but nothing is said about what
 /// is missing, which the error may have swallowed.
 fn read(
-    top: &Table,
+    mut top: Table,
     name: &str,
     overrides: &Overrides,
     diags: &mut Diagnostics,
     damaged: bool,
 ) -> Option<Model> {
-    version(top, diags, damaged);
+    version(&top, diags, damaged);
     let (scope, params) = params::resolve(top.get("params"), overrides, diags);
     let mut decoder = Decoder {
         scope: &scope,
         diags,
     };
-    let header = header(top, &mut decoder);
+    let header = header(&top, &mut decoder);
     let mut count = 0;
     for table in ["curves", "surfaces"] {
         if let Some(Value::Table(t)) = top.get(table).map(|n| &n.value) {
@@ -162,8 +162,8 @@ fn read(
         );
         return None;
     }
-    let curves = objects(top.get("curves"), "curve", CURVES, &mut decoder);
-    let surfaces = objects(top.get("surfaces"), "surface", SURFACES, &mut decoder);
+    let curves = objects(top.take("curves"), "curve", CURVES, &mut decoder);
+    let surfaces = objects(top.take("surfaces"), "surface", SURFACES, &mut decoder);
     let written = top
         .get("checks")
         .map(|n| checks::read(&mut decoder, n))
@@ -330,18 +330,18 @@ fn header(top: &Table, decoder: &mut Decoder<'_>) -> Header {
     header
 }
 
-/// Reads a table of objects; those that are wrong are kept by name, so that references to them are not unknown.
+/// Reads a table of objects, which goes as they come; those that are wrong are kept by name, so that references to them are not unknown.
 fn objects(
-    node: Option<&Node>,
+    node: Option<Node>,
     what: &str,
     kinds: &'static [Kind],
     decoder: &mut Decoder<'_>,
 ) -> Vec<(String, Option<Object>)> {
-    let Some(Value::Table(table)) = node.map(|n| &n.value) else {
+    let Some(Value::Table(table)) = node.map(|n| n.value) else {
         return Vec::new();
     };
     let mut list = Vec::with_capacity(table.entries.len());
-    for (k, v) in &table.entries {
+    for (k, v) in table.entries {
         let label = format!("{what} `{}`", k.name);
         if !k
             .name
@@ -357,12 +357,12 @@ fn objects(
             continue;
         }
         let before = decoder.diags.list.len();
-        let object = decoder.object(&label, &k.span, v, kinds).ok();
+        let object = decoder.object(&label, &k.span, &v, kinds).ok();
         if object.is_none() && decoder.diags.list.len() == before {
             // It uses a parameter that is wrong.
             decoder.diags.skipped += 1;
         }
-        list.push((k.name.clone(), object));
+        list.push((k.name, object));
     }
     list
 }

@@ -49,6 +49,12 @@ impl Table {
             .find(|(k, _)| k.name == name)
             .map(|(_, v)| v)
     }
+
+    /// Takes a value out of the table.
+    pub(crate) fn take(&mut self, name: &str) -> Option<Node> {
+        let i = self.entries.iter().position(|(k, _)| k.name == name)?;
+        Some(self.entries.remove(i).1)
+    }
 }
 
 impl Node {
@@ -78,23 +84,21 @@ impl Node {
     }
 }
 
-/// Turns the library's tree into ours.
-pub(crate) fn table(source: &str, t: &DeTable<'_>) -> Table {
-    let entries = t.iter().map(|(k, v)| {
-        let key = Key {
-            name: k.get_ref().to_string(),
-            span: k.span(),
-        };
-        (key, node(source, v))
+/// Turns the library's tree into ours; each part of it goes as ours comes, for both together are large.
+pub(crate) fn table(source: &str, t: DeTable<'_>) -> Table {
+    let entries = t.into_iter().map(|(k, v)| {
+        let span = k.span();
+        let name = k.into_inner().into_owned();
+        (Key { name, span }, node(source, v))
     });
     Table {
         entries: entries.collect(),
     }
 }
 
-fn node(source: &str, v: &Spanned<DeValue<'_>>) -> Node {
+fn node(source: &str, v: Spanned<DeValue<'_>>) -> Node {
     let span = v.span();
-    let value = match v.get_ref() {
+    let value = match v.into_inner() {
         DeValue::String(s) => {
             let raw = source.get(span.clone()).unwrap_or_default();
             let quote = if raw.starts_with("\"\"\"") || raw.starts_with("'''") {
@@ -104,15 +108,15 @@ fn node(source: &str, v: &Spanned<DeValue<'_>>) -> Node {
             };
             let literal = raw.get(quote..raw.len().saturating_sub(quote)) == Some(s.as_ref());
             Value::Text {
-                text: s.to_string(),
+                text: s.into_owned(),
                 start: literal.then_some(span.start + quote),
             }
         }
         DeValue::Integer(i) => Value::Number(integer(i.as_str(), i.radix())),
         DeValue::Float(f) => Value::Number(f.as_str().parse().unwrap_or(f64::NAN)),
-        DeValue::Boolean(b) => Value::Bool(*b),
+        DeValue::Boolean(b) => Value::Bool(b),
         DeValue::Datetime(_) => Value::Date,
-        DeValue::Array(a) => Value::List(a.iter().map(|x| node(source, x)).collect()),
+        DeValue::Array(a) => Value::List(a.into_iter().map(|x| node(source, x)).collect()),
         DeValue::Table(t) => Value::Table(table(source, t)),
     };
     Node { span, value }

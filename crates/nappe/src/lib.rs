@@ -78,6 +78,7 @@ mod breaks;
 mod frame;
 mod interval;
 mod linear;
+mod parallel;
 mod significant;
 mod simd;
 mod size;

@@ -12,7 +12,7 @@ use nappe::surface::{
 };
 use nappe::{DAffine3, DVec3, Frame};
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -630,11 +630,39 @@ fn a_nearly_collapsed_side_is_no_trouble() {
 }
 
 #[test]
-fn the_same_input_gives_the_same_mesh() {
+fn any_number_of_threads_gives_the_same_mesh_and_the_same_error() {
     let s = teapot();
-    let (a, b) = (made(&s, 0.01), made(&s, 0.01));
-    let bytes = |m: &Mesh| format!("{m:?}");
-    assert!(bytes(&a) == bytes(&b));
+    let on = |threads, max_triangles| {
+        let options = MeshOptions {
+            threads: Some(threads),
+            max_triangles,
+            ..MeshOptions::with_tol(0.01)
+        };
+        mesh(&s, &options)
+    };
+    let most = 10_000_000;
+    let (one, few) = (on(1, most).unwrap(), on(1, 500).unwrap_err());
+    assert!(matches!(few, MeshError::TooMany { max: 500, .. }));
+    for threads in [1, 2, 3, 64] {
+        let same = format!("{:?}", on(threads, most).unwrap()) == format!("{one:?}");
+        assert!(same, "{threads} threads");
+        assert_eq!(on(threads, 500).unwrap_err(), few, "{threads} threads");
+    }
+}
+
+#[test]
+fn progress_grows_to_one() {
+    let shares = Arc::new(Mutex::new(Vec::new()));
+    let heard = shares.clone();
+    let options = MeshOptions {
+        threads: Some(3),
+        progress: Some(Arc::new(move |share| heard.lock().unwrap().push(share))),
+        ..MeshOptions::with_tol(0.05)
+    };
+    mesh(&teapot(), &options).unwrap();
+    let shares = shares.lock().unwrap();
+    assert!(shares.is_sorted() && shares[0] > 0.0);
+    assert_eq!(shares.last(), Some(&1.0));
 }
 
 #[test]

@@ -1,14 +1,15 @@
 //! How fast the kernel is, beside the time to write the result to memory, a plain loop over single points, and what
 //! other libraries take, all in one run.
 //!
-//! `cargo xtask bench [--quick] [--json FILE] [--page] [NAME…]`. Each figure is the best of several runs, so that other
+//! `cargo xtask bench [--quick] [--json FILE] [--page] [--growth] [NAME…]`. Each figure is the best of several runs, so that other
 //! processes disturb it least. Only ratios mean something: machines and minutes differ. `--page` writes
-//! `docs/performance.md` and its plots.
+//! `docs/performance.md` and its plots; `--growth` only prints how cost grows.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod cases;
 mod clock;
+mod memory;
 mod page;
 mod peers;
 mod plot;
@@ -24,6 +25,9 @@ fn main() {
         .skip(1)
         .filter(|a| a != "--bench")
         .collect();
+    if let [scaling::ALONE, n, tol] = args.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        return scaling::mesh_alone(n.parse().unwrap(), tol.parse().unwrap());
+    }
     let flag = |name: &str| args.iter().any(|a| a == name);
     let file = args
         .iter()
@@ -35,6 +39,11 @@ fn main() {
         .map(String::as_str)
         .collect();
     let quick = flag("--quick");
+    if flag("--growth") {
+        let plots = scaling::measure(quick, &names);
+        plots.iter().for_each(|p| print!("\n{}", page::growth(p)));
+        return;
+    }
     let mut rows = tasks::all(quick, &names);
     peers::add(&mut rows);
     print!("{}", table(&rows));
@@ -45,7 +54,7 @@ fn main() {
         }
     }
     if flag("--page") {
-        page::write(&rows, &scaling::measure(quick));
+        page::write(&rows, &scaling::measure(quick, &[]));
     }
 }
 

@@ -97,22 +97,37 @@ pub(crate) fn write(rows: &[Row], plots: &[Plot]) {
         fs::write(format!("{FOLDER}/performance/{}.svg", plot.file), svg(plot)).unwrap();
         write!(
             page,
-            "\n![Time over {}](performance/{}.svg)\n\n| line | {} | ns an item | memory, MB |\n|---|--:|--:|--:|\n",
-            plot.x, plot.file, plot.x
+            "\n![Time over {}](performance/{}.svg)\n\n{}",
+            plot.x,
+            plot.file,
+            growth(plot)
         )
         .unwrap();
-        for line in &plot.lines {
-            for (x, ns, bytes) in &line.points {
-                let row = format!(
-                    "| {} | {x} | {} | {} |\n",
-                    line.name,
-                    number(*ns),
-                    number(bytes / 1e6)
-                );
-                page += &row;
-            }
-        }
     }
-    page += "\nMemory is that of the parameters and results for points, and of the nets for nets and surfaces.\n";
+    page += "\nMemory is that of the parameters and results for points, of the nets for nets and for grids of many surfaces;\n\
+        for meshes it is by how much the process grew at most, and *× result* compares it with the mesh that remains.\n";
     fs::write(format!("{FOLDER}/performance.md"), page).unwrap();
+}
+
+/// The numbers of a plot as a table.
+pub(crate) fn growth(plot: &Plot) -> String {
+    let mut table = format!(
+        "| line | {} | ns an item | memory, MB | × result |\n|---|--:|--:|--:|--:|\n",
+        plot.x
+    );
+    for (line, p) in plot
+        .lines
+        .iter()
+        .flat_map(|l| l.points.iter().map(move |p| (l, p)))
+    {
+        table += &format!(
+            "| {} | {} | {} | {} | {} |\n",
+            line.name,
+            p.x,
+            number(p.ns),
+            number(p.bytes / 1e6),
+            p.result.map_or("–".into(), |r| number(p.bytes / r))
+        );
+    }
+    table
 }

@@ -1,6 +1,6 @@
 //! Plots with logarithmic axes, as SVG.
 
-use crate::scaling::Plot;
+use crate::scaling::{Plot, Point};
 
 const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 360.0;
@@ -13,7 +13,7 @@ const COLOURS: [&str; 4] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"];
 /// Nanoseconds an item over x.
 pub(crate) fn svg(plot: &Plot) -> String {
     let all = || plot.lines.iter().flat_map(|l| &l.points);
-    let range = |of: fn(&(f64, f64, f64)) -> f64| {
+    let range = |of: fn(&Point) -> f64| {
         let (lo, hi) = all()
             .map(of)
             .fold((f64::INFINITY, 0f64), |(a, b), x| (a.min(x), b.max(x)));
@@ -22,7 +22,7 @@ pub(crate) fn svg(plot: &Plot) -> String {
             hi.log10().ceil().max(lo.log10().floor() + 1.0),
         )
     };
-    let (x, y) = (range(|p| p.0), range(|p| p.1));
+    let (x, y) = (range(|p| p.x), range(|p| p.ns));
     let px = |v: f64| LEFT + (v.log10() - x.0) / (x.1 - x.0) * (WIDTH - LEFT - RIGHT);
     let py = |v: f64| HEIGHT - BOTTOM - (v.log10() - y.0) / (y.1 - y.0) * (HEIGHT - TOP - BOTTOM);
     let mut s = format!(
@@ -68,7 +68,7 @@ pub(crate) fn svg(plot: &Plot) -> String {
         let path: Vec<String> = line
             .points
             .iter()
-            .map(|p| format!("{:.1} {:.1}", px(p.0), py(p.1)))
+            .map(|p| format!("{:.1} {:.1}", px(p.x), py(p.ns)))
             .collect();
         s += &format!(
             "<path d=\"M{}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>\n",
@@ -77,8 +77,8 @@ pub(crate) fn svg(plot: &Plot) -> String {
         for p in &line.points {
             s += &format!(
                 "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"{colour}\"/>\n",
-                px(p.0),
-                py(p.1)
+                px(p.x),
+                py(p.ns)
             );
         }
         s += &format!(

@@ -8,7 +8,7 @@ use super::taylor::{Patch, Taylor};
 use super::tear::tear;
 use crate::box3::Box3;
 use crate::interval::Interval;
-use crate::mesh::shared::Edge;
+use crate::mesh::closing::within;
 use crate::mesh::{Certainty, Joint, Joints, joints};
 use crate::surface::{Dir, Side, Surface, SurfaceRef};
 use glam::DVec3;
@@ -297,7 +297,7 @@ fn flaw(
     let open = || {
         own.iter().find_map(|&surface| {
             let &side = joined.open[surface].first()?;
-            let weld = Edge::new(surfaces[surface].as_ref(), side).join_within(weld);
+            let weld = within(surfaces[surface].as_ref(), weld)[side as usize].join;
             Some(VolumeError::Open {
                 surface,
                 side,

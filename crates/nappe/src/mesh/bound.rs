@@ -31,7 +31,7 @@ use glam::DVec3;
 
 /// Covers the few roundings of the sums of positive numbers below.
 pub(super) const ROUND_UP: f64 = 1.0 + 1e-14;
-/// The most cells along one direction of a leaf, so that the numerators of parameters stay exact in a double.
+/// The most cells along one direction of a grid.
 const MAX_CELLS: f64 = 1_048_576.0;
 /// The steps in which grids are tried: finer gains no cells, coarser loses this share of them.
 const STEP: f64 = 1.1;

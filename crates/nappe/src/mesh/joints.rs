@@ -1,6 +1,8 @@
 //! Which sides of surfaces meet, for those who ask without meshing.
 
-use super::shared::{Edge, Join, edge, find};
+use super::closing;
+use super::shared::{Edge, GUESSES, Join, edge, find};
+use crate::parallel;
 use crate::surface::{Side, SurfaceRef};
 
 /// Two sides that are one curve within the weld distance.
@@ -42,7 +44,8 @@ pub struct Joints {
 /// does; but never within more than a hundredth of the length of a side or of the surface across it. So an open surface
 /// that is smaller than `weld` stays open.
 pub fn joints(surfaces: &[SurfaceRef], weld: f64) -> Joints {
-    let shared = find(surfaces, weld);
+    let threads = parallel::all_threads();
+    let shared = find(surfaces, weld, threads);
     let name = |k: usize| (k / 4, Side::ALL[k % 4]);
     let mut out = Joints {
         joints: Vec::new(),
@@ -50,19 +53,23 @@ pub fn joints(surfaces: &[SurfaceRef], weld: f64) -> Joints {
         open: vec![Vec::new(); surfaces.len()],
     };
     let mut met = shared.collapsed.clone();
-    for (k, join) in shared.joins.iter().enumerate() {
-        if let Some(join) = join {
-            met[k] = true;
-            met[join.leader] = true;
-            let (gap, length) = gap(&edge(surfaces, join.leader), &edge(surfaces, k), join);
-            out.joints.push(Joint {
-                first: name(join.leader),
-                second: name(k),
-                reversed: join.map.is_reversed(),
-                gap,
-                length,
-            });
+    let joins = shared.joins.iter().enumerate();
+    let joins: Vec<(usize, &Join)> = joins.filter_map(|(k, j)| Some((k, j.as_ref()?))).collect();
+    let joint = |i: usize| {
+        let (k, join) = joins[i];
+        let (gap, length) = gap(&edge(surfaces, join.leader), &edge(surfaces, k), join);
+        Joint {
+            first: name(join.leader),
+            second: name(k),
+            reversed: join.map.is_reversed(),
+            gap,
+            length,
         }
+    };
+    out.joints = parallel::each(threads, joins.len(), joint, |_| false);
+    for (k, join) in joins {
+        met[k] = true;
+        met[join.leader] = true;
     }
     for k in 0..met.len() {
         let (surface, side) = name(k);
@@ -75,15 +82,16 @@ pub fn joints(surfaces: &[SurfaceRef], weld: f64) -> Joints {
     out
 }
 
+/// The greatest distance between partners, and the length of the leading side.
 fn gap(lead: &Edge, other: &Edge, join: &Join) -> (f64, f64) {
-    let (mut gap, mut length) = (0.0f64, 0.0);
-    let mut previous = None;
-    for t in lead.samples() {
-        let p = lead.point(t);
-        let q = other.point(join.map.partner(0, t, p, other));
-        gap = gap.max(p.distance(q));
-        length += previous.map_or(0.0, |x: glam::DVec3| x.distance(p));
-        previous = Some(p);
-    }
-    (gap, length)
+    let t = lead.parts(GUESSES);
+    let points = lead.points(&t);
+    let partners: Vec<f64> = t
+        .iter()
+        .zip(&points)
+        .map(|(&t, &p)| join.map.partner(0, t, p, other))
+        .collect();
+    let pairs = points.iter().zip(other.points(&partners));
+    let gap = pairs.fold(0.0, |gap: f64, (p, q)| gap.max(p.distance(q)));
+    (gap, closing::length(&points))
 }

@@ -4,20 +4,24 @@
 //!
 //! 1. `shared`: which sides of the surfaces are the same curve, which are one point;
 //! 2. `layout`: each domain is cut into triangles by a net of lines (`roots`) and `bisection`, until bounds prove the
-//!    tolerance: those of `partners` for squares, those of `bound` and `slide` for a grid over a whole smooth block;
+//!    tolerance: those of `partners` and `measured` for squares, those of `bound` and `slide` for a grid over a smooth part;
 //! 3. `stitch`: the vertices on a shared side are the union of what its surfaces ask for, as points of the first of them;
 //! 4. `patch`: the triangles get their vertices, and those on a side also take in what other surfaces asked for.
 //!
-//! The layout and the triangles of different surfaces are independent of each other.
+//! The layout and the triangles of different surfaces are independent of each other, and are made on several threads; in
+//! between, one thread finds and numbers the points on their sides.
 
 use crate::breaks::Breaks;
+use crate::parallel;
 use crate::surface::{Dir, Side, Surface, SurfaceRef};
 use glam::DVec3;
 use layout::{Demand, Layout, layout};
-use lines::Lines;
 use patch::{Builder, Collapsed};
 use shared::Edge;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use stitch::Border;
 
 mod bisection;
 mod bound;
@@ -130,14 +134,18 @@ const SAMPLES: usize = 16;
 /// Each patch states the deviation reached: [`Certainty::Bounded`] is a proof from enclosed second derivatives, see the
 /// theorem in `mesh/bound.rs`; [`Certainty::Estimated`] means that a surface could not enclose itself somewhere, and
 /// samples were used. Vertices are computed in floating point; for their rounding errors 10⁻¹³ of the largest coordinate
-/// is included, the accuracy to which every surface is held. The same input gives the same mesh, byte for byte.
+/// is included, the accuracy to which every surface is held. The same input gives the same mesh, byte for byte, on any
+/// number of threads; each works on one surface at a time.
 ///
-/// Errors: see [`MeshError`]. Cost: proportional to the number of triangles, and some enclosures for each leaf.
+/// Errors: see [`MeshError`]; of several surfaces with errors the first is named. Cost: proportional to the number of
+/// surfaces and of triangles, and some enclosures for every few triangles.
 ///
 /// Limits: sides are joined whole. Where one side meets only a part of another, or two closed sides start at different
 /// points, the mesh has two borders that agree within the tolerance; [`partial_joints`] finds these.
 pub fn mesh(surfaces: &[SurfaceRef], options: &MeshOptions) -> Result<Mesh, MeshError> {
-    let measures: Vec<Measure> = surfaces.iter().map(|s| Measure::of(s.as_ref())).collect();
+    let threads = options.threads.unwrap_or_else(parallel::all_threads);
+    let measure = |i: usize| Measure::of(surfaces[i].as_ref());
+    let measures = parallel::each(threads, surfaces.len(), measure, |_| false);
     let diagonal = measures
         .iter()
         .map(|m| m.hull)
@@ -163,13 +171,24 @@ pub fn mesh(surfaces: &[SurfaceRef], options: &MeshOptions) -> Result<Mesh, Mesh
         tol,
         weld,
         rounding,
-        shared: shared::find(surfaces, weld),
+        shared: shared::find(surfaces, weld, threads),
+        threads,
+        done: Mutex::new(0),
     };
-    let mut plain = vec![false; surfaces.len()];
+    let all: Vec<usize> = (0..surfaces.len()).collect();
+    let mut laid = task.lay(&all, 0, false)?;
     loop {
         // Each time one surface more is plain, so this ends; nearly always at once.
-        if let Some(mesh) = task.attempt(&mut plain)? {
-            return Ok(mesh);
+        match task.build(&mut laid)? {
+            Built::Whole(mesh) => return Ok(mesh),
+            Built::TurnedOver(which) => {
+                let others = laid.iter().map(|l| l.layout.triangles()).sum::<usize>();
+                let replaced = which.iter().map(|&i| laid[i].layout.triangles());
+                let plain = task.lay(&which, others - replaced.sum::<usize>(), true)?;
+                for (i, plain) in which.into_iter().zip(plain) {
+                    laid[i] = plain;
+                }
+            }
         }
     }
 }
@@ -182,12 +201,41 @@ struct Task<'a> {
     weld: f64,
     rounding: Vec<f64>,
     shared: shared::Shared,
+    threads: usize,
+    /// How many times a surface was divided or built.
+    done: Mutex<usize>,
+}
+
+/// The division of a surface.
+struct Laid {
+    layout: Layout,
+    /// The lines along which the surface is one point, sides and corner lines inside where a profile meets its axis: the
+    /// direction across them and their parameter.
+    collapsed: Vec<(Dir, f64)>,
+}
+
+/// What became of the triangles.
+enum Built {
+    Whole(Mesh),
+    /// The surfaces that have triangles which their bounds do not allow.
+    TurnedOver(Vec<usize>),
+}
+
+/// The triangles of one surface.
+struct Patch {
+    patch: MeshPatch,
+    /// The points that are not shared, numbered after those that are.
+    own: Vec<DVec3>,
+    turned_over: bool,
 }
 
 impl Task<'_> {
-    fn report(&self, done: usize) {
+    /// Tells that a surface was divided or built. Where some are built again, nothing is left to tell.
+    fn report(&self) {
         if let Some(progress) = &self.options.progress {
-            progress(done as f64 / (2 * self.surfaces.len()).max(1) as f64);
+            let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+            *done += 1;
+            progress((*done as f64 / (2 * self.surfaces.len()) as f64).min(1.0));
         }
     }
 
@@ -210,123 +258,215 @@ impl Task<'_> {
         least
     }
 
-    fn layouts(&self, plain: &[bool]) -> Result<Vec<Layout>, MeshError> {
+    /// Divides some surfaces, when the others have that many triangles. With the same error as one after the other: the
+    /// first surface that cannot be divided or is over the limit of triangles is named.
+    fn lay(&self, which: &[usize], others: usize, plain: bool) -> Result<Vec<Laid>, MeshError> {
         let max = self.options.max_triangles;
-        let mut layouts: Vec<Layout> = Vec::with_capacity(self.surfaces.len());
-        let mut left = max.min(MOST);
-        for (i, s) in self.surfaces.iter().enumerate() {
-            let reserve = if self.shared.touches(i) {
-                2.0 * self.weld
-            } else {
-                0.0
+        let limit = max.min(MOST);
+        let total = AtomicUsize::new(others);
+        let enough = |laid: &Result<Laid, MeshError>| match laid {
+            Ok(laid) => {
+                let own = laid.layout.triangles();
+                total.fetch_add(own, Ordering::Relaxed) + own > limit
+            }
+            Err(_) => true,
+        };
+        let work = |k: usize| {
+            let laid = self.lay_one(which[k], plain);
+            self.report();
+            laid
+        };
+        let mut needed = others as f64;
+        let mut all = Vec::with_capacity(which.len());
+        for laid in parallel::each(self.threads, which.len(), work, enough) {
+            needed += match &laid {
+                Ok(laid) => laid.layout.triangles() as f64,
+                Err(MeshError::TooMany { needed, .. }) => *needed,
+                Err(e) => return Err(e.clone()),
             };
-            let demand = Demand {
-                surface: i,
-                tol: self.tol - self.rounding[i] - reserve,
-                least: self.least_cells(i),
-                max: left,
-                plain: plain[i],
-                joined: self.shared.joined(i),
-            };
-            let done = layout(s.as_ref(), &demand).map_err(|e| match e {
-                MeshError::TooMany { needed, .. } => MeshError::TooMany {
-                    needed: needed + (max - left) as f64,
-                    max,
-                },
-                other => other,
-            })?;
-            left = left.saturating_sub(done.triangles());
-            layouts.push(done);
-            self.report(i + 1);
+            if needed > limit as f64 {
+                return Err(MeshError::TooMany { needed, max });
+            }
+            all.push(laid?);
         }
-        Ok(layouts)
+        Ok(all)
     }
 
-    /// A mesh, with the plain bound for the surfaces marked so; `None` if a triangle of another surface was turned over,
-    /// which is marked then.
-    fn attempt(&self, plain: &mut [bool]) -> Result<Option<Mesh>, MeshError> {
-        let Task {
-            surfaces,
-            tol,
-            weld,
-            ..
-        } = *self;
-        let mut layouts = self.layouts(plain)?;
-        let mut lines: Vec<Lines> = layouts.iter().map(Lines::new).collect();
+    fn lay_one(&self, i: usize, plain: bool) -> Result<Laid, MeshError> {
+        let surface = self.surfaces[i].as_ref();
+        let reserve = if self.shared.touches(i) {
+            2.0 * self.weld
+        } else {
+            0.0
+        };
+        let demand = Demand {
+            surface: i,
+            tol: self.tol - self.rounding[i] - reserve,
+            least: self.least_cells(i),
+            max: self.options.max_triangles.min(MOST),
+            plain,
+            joined: self.shared.joined(i),
+        };
+        let layout = layout(surface, &demand)?;
+        Ok(Laid {
+            collapsed: collapsed(surface, &layout, self.weld),
+            layout,
+        })
+    }
+
+    /// Makes the triangles.
+    fn build(&self, laid: &mut [Laid]) -> Result<Built, MeshError> {
         let mut points = Vec::new();
-        let mut borders = stitch::stitch(surfaces, &self.shared, weld, &mut lines, &mut points);
-        for (i, layout) in layouts.iter().enumerate() {
-            for edge in collapsed(surfaces[i].as_ref(), layout, weld) {
-                let end = |t| borders[i].get(&lines::key(edge.uv(t))).copied();
+        let mut borders = stitch::stitch(self.surfaces, laid, &self.shared, self.weld, &mut points);
+        self.pull_together(laid, &mut borders);
+        self.open_corners(laid, &borders);
+        let laid = &*laid;
+        let work = |i: usize| {
+            let patch = self.build_one(i, &laid[i], &borders[i], &points);
+            self.report();
+            patch
+        };
+        let patches = parallel::each(self.threads, laid.len(), work, Result::is_err);
+        let patches: Vec<Patch> = patches.into_iter().collect::<Result<_, _>>()?;
+        let turned_over = |i: &usize| patches[*i].turned_over;
+        let turned_over: Vec<usize> = (0..patches.len()).filter(turned_over).collect();
+        if !turned_over.is_empty() {
+            return Ok(Built::TurnedOver(turned_over));
+        }
+        let shared = points.len();
+        points.reserve_exact(patches.iter().map(|p| p.own.len()).sum());
+        let numbered = |mut p: Patch| {
+            let shift = (points.len() - shared) as u32;
+            let own = |v: &&mut MeshVertex| v.point as usize >= shared;
+            p.patch
+                .vertices
+                .iter_mut()
+                .filter(own)
+                .for_each(|v| v.point += shift);
+            points.extend(p.own);
+            p.patch
+        };
+        let patches = patches.into_iter().map(numbered).collect();
+        Ok(Built::Whole(Mesh { points, patches }))
+    }
+
+    /// Makes the two ends of each line that is one point the same point, wherever they are used.
+    fn pull_together(&self, laid: &[Laid], borders: &mut [Border]) {
+        let mut renamed: HashMap<u32, u32> = HashMap::new();
+        let name = |renamed: &HashMap<u32, u32>, mut id: u32| {
+            while let Some(&other) = renamed.get(&id) {
+                id = other;
+            }
+            id
+        };
+        for ((surface, laid), border) in self.surfaces.iter().zip(laid).zip(borders.iter()) {
+            if laid.collapsed.is_empty() {
+                continue;
+            }
+            let on_border = border.points(surface.as_ref());
+            for &(across, at) in &laid.collapsed {
+                let edge = Edge::inside(surface.as_ref(), across, at);
+                let end = |t| on_border.get(&lines::key(edge.uv(t))).copied();
                 if let (Some(a), Some(b)) = (end(edge.range.lo), end(edge.range.hi)) {
-                    let same = borders.iter_mut().flat_map(HashMap::values_mut);
-                    same.filter(|id| **id == b).for_each(|id| *id = a);
+                    let (a, b) = (name(&renamed, a), name(&renamed, b));
+                    if a != b {
+                        renamed.insert(b, a);
+                    }
                 }
             }
         }
-        let mut again = false;
-        let mut patches = Vec::with_capacity(surfaces.len());
-        for (i, border) in borders.into_iter().enumerate() {
-            let sides = Side::ALL.map(|s| Edge::new(surfaces[i].as_ref(), s).is_collapsed(weld));
-            layouts[i].open_corners(self.shared.pinched(i), |side, [from, to]| {
-                sides[side as usize] || !lines[i].between(side, from, to).is_empty()
-            });
-            let layout = &layouts[i];
-            let mut builder = Builder {
-                index: i,
-                surface: surfaces[i].as_ref(),
-                layout,
-                lines: &lines[i],
-                collapsed: collapsed(surfaces[i].as_ref(), layout, weld)
-                    .into_iter()
-                    .map(|edge| Collapsed {
-                        across: lines::index(edge.side.across()),
-                        at: edge.at,
-                        point: border.get(&lines::key(edge.uv(edge.range.lo))).copied(),
-                    })
-                    .collect(),
-                on_sides: border,
-                points: &mut points,
-                patch: MeshPatch {
-                    vertices: Vec::new(),
-                    triangles: Vec::new(),
-                    deviation: Certainty::Exact,
-                },
-                gap: 0.0,
-                rounding: self.rounding[i],
-                turned_over: false,
-            };
-            builder.run()?;
-            if builder.turned_over {
-                plain[i] = true;
-                again = true;
-            }
-            let (mut patch, gap) = (builder.patch, builder.gap);
-            if patch.triangles.is_empty() {
-                return Err(MeshError::Collapsed { surface: i, weld });
-            }
-            let deviation = layout.deviation + gap + self.rounding[i];
-            if deviation > tol && layout.proven {
-                return Err(MeshError::Gap {
-                    surface: i,
-                    deviation,
-                    tol,
-                });
-            }
-            patch.deviation = if layout.proven {
-                Certainty::Bounded(deviation)
-            } else {
-                Certainty::Estimated(deviation)
-            };
-            patches.push(patch);
-            self.report(surfaces.len() + i + 1);
+        if !renamed.is_empty() {
+            borders
+                .iter_mut()
+                .for_each(|b| b.rename(|id| name(&renamed, id)));
         }
-        Ok((!again).then_some(Mesh { points, patches }))
+    }
+
+    /// See [`Layout::open_corners`].
+    fn open_corners(&self, laid: &mut [Laid], borders: &[Border]) {
+        for (i, (laid, border)) in laid.iter_mut().zip(borders).enumerate() {
+            let domain = self.surfaces[i].domain();
+            let collapsed = &laid.collapsed;
+            let is_open = |side: Side, [from, to]: [f64; 2]| {
+                let across = domain[lines::index(side.across())];
+                let at = if side.is_upper() {
+                    across.hi
+                } else {
+                    across.lo
+                };
+                collapsed.contains(&(side.across(), at))
+                    || !border.between(side, from, to).is_empty()
+            };
+            laid.layout.open_corners(self.shared.pinched(i), is_open);
+        }
+    }
+
+    fn build_one(
+        &self,
+        i: usize,
+        laid: &Laid,
+        border: &Border,
+        shared: &[DVec3],
+    ) -> Result<Patch, MeshError> {
+        let (surface, layout) = (self.surfaces[i].as_ref(), &laid.layout);
+        let on_border = border.points(surface);
+        let collapsed = laid.collapsed.iter().map(|&(across, at)| {
+            let edge = Edge::inside(surface, across, at);
+            Collapsed {
+                across: lines::index(across),
+                at,
+                point: on_border.get(&lines::key(edge.uv(edge.range.lo))).copied(),
+            }
+        });
+        let mut builder = Builder {
+            index: i,
+            surface,
+            layout,
+            border,
+            collapsed: collapsed.collect(),
+            on_sides: on_border,
+            shared,
+            own: Vec::new(),
+            patch: MeshPatch {
+                vertices: Vec::new(),
+                triangles: Vec::new(),
+                deviation: Certainty::Exact,
+            },
+            gap: 0.0,
+            rounding: self.rounding[i],
+            turned_over: false,
+        };
+        builder.run()?;
+        let (mut patch, gap) = (builder.patch, builder.gap);
+        if patch.triangles.is_empty() {
+            let weld = self.weld;
+            return Err(MeshError::Collapsed { surface: i, weld });
+        }
+        let (tol, deviation) = (self.tol, layout.deviation + gap + self.rounding[i]);
+        if deviation > tol && layout.proven {
+            return Err(MeshError::Gap {
+                surface: i,
+                deviation,
+                tol,
+            });
+        }
+        patch.deviation = if layout.proven {
+            Certainty::Bounded(deviation)
+        } else {
+            Certainty::Estimated(deviation)
+        };
+        patch.vertices.shrink_to_fit();
+        patch.triangles.shrink_to_fit();
+        Ok(Patch {
+            patch,
+            own: builder.own,
+            turned_over: builder.turned_over,
+        })
     }
 }
 
-/// The lines along which the surface is one point: sides, and corner lines inside where a profile meets its axis.
-fn collapsed<'a>(surface: &'a dyn Surface, layout: &Layout, weld: f64) -> Vec<Edge<'a>> {
+/// The lines along which a surface is one point.
+fn collapsed(surface: &dyn Surface, layout: &Layout, weld: f64) -> Vec<(Dir, f64)> {
     let mut found = Vec::new();
     for (d, across) in [Dir::U, Dir::V].into_iter().enumerate() {
         let blocks = &layout.blocks[d];
@@ -334,8 +474,8 @@ fn collapsed<'a>(surface: &'a dyn Surface, layout: &Layout, weld: f64) -> Vec<Ed
             .iter()
             .map(|b| b.lo)
             .chain(blocks.last().map(|b| b.hi));
-        let lines = cuts.map(|at| Edge::inside(surface, across, at));
-        found.extend(lines.filter(|e| e.is_collapsed(weld)));
+        let is_point = |at: &f64| Edge::inside(surface, across, *at).is_collapsed(weld);
+        found.extend(cuts.filter(is_point).map(|at| (across, at)));
     }
     found
 }

@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 use thiserror::Error;
 
-/// Called with the finished share of the work, from 0 to 1.
+/// Called with the finished share of the work, from 0 to 1 and never less than before, by one thread at a time.
 pub type Progress = Arc<dyn Fn(f64) + Send + Sync>;
 
 /// What a mesh must keep to.
@@ -22,6 +22,8 @@ pub struct MeshOptions {
     pub least_cells: usize,
     /// A mesh that would need more triangles is refused before it is made.
     pub max_triangles: usize,
+    /// The number of threads that work on it; the mesh does not depend on it. `None`: as many as the machine runs at once.
+    pub threads: Option<usize>,
     /// Hears of the progress.
     pub progress: Option<Progress>,
 }
@@ -43,6 +45,7 @@ impl Default for MeshOptions {
             weld: None,
             least_cells: 1,
             max_triangles: 100_000_000,
+            threads: None,
             progress: None,
         }
     }
@@ -55,6 +58,7 @@ impl fmt::Debug for MeshOptions {
             .field("weld", &self.weld)
             .field("least_cells", &self.least_cells)
             .field("max_triangles", &self.max_triangles)
+            .field("threads", &self.threads)
             .field("progress", &self.progress.is_some())
             .finish()
     }

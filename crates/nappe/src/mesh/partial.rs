@@ -1,10 +1,13 @@
 //! Sides that run along each other but are not joined, because they do not have the same ends.
 
+use super::closing::within;
 use super::shared::{Edge, GUESSES, edge, find};
 use crate::box3::Box3;
 use crate::interval::Interval;
+use crate::parallel;
 use crate::surface::{Side, SurfaceRef};
 use glam::DVec3;
+use std::sync::OnceLock;
 
 /// Samples of the shorter side.
 const SAMPLES: usize = 32;
@@ -39,31 +42,49 @@ pub struct PartialJoint {
 /// Sampled: a stretch shorter than a sixteenth of both sides is not seen, nor one that ends in the middle of both. Cost: a
 /// hundred points of each side, and 10³ for each pair whose boxes meet.
 pub fn partial_joints(surfaces: &[SurfaceRef], weld: f64) -> Vec<PartialJoint> {
-    let shared = find(surfaces, weld);
+    let threads = parallel::all_threads();
+    let shared = find(surfaces, weld, threads);
     let mut open: Vec<bool> = shared.joins.iter().map(Option::is_none).collect();
     for join in shared.joins.iter().flatten() {
         open[join.leader] = false;
     }
-    let mut lines: Vec<Line> = (0..open.len())
-        .filter(|&k| !shared.collapsed[k])
-        .map(|k| Line::new(surfaces, k, weld))
-        .collect();
+    let of_surface = |i: usize| {
+        let within = within(surfaces[i].as_ref(), weld);
+        let line = |k: usize| Line::new(edge(surfaces, k), k, within[k % 4].join);
+        let lines: Vec<Line> = (4 * i..4 * i + 4)
+            .filter(|&k| !shared.collapsed[k])
+            .map(line)
+            .collect();
+        lines
+    };
+    let lines = parallel::each(threads, surfaces.len(), of_surface, |_| false);
+    let mut lines: Vec<Line> = lines.into_iter().flatten().collect();
     lines.sort_by(|a, b| a.hull.x.lo.total_cmp(&b.hull.x.lo));
-    let mut found = Vec::new();
-    for (i, a) in lines.iter().enumerate() {
-        let near = lines[i + 1..]
-            .iter()
-            .take_while(|b| b.hull.x.lo <= a.hull.x.hi);
-        for b in near.filter(|b| (open[a.number] || open[b.number]) && a.hull.touches(b.hull)) {
+    let is_open = |i: &usize| open[lines[*i].number];
+    let all: Vec<usize> = (0..lines.len()).collect();
+    let open: Vec<usize> = all.iter().copied().filter(is_open).collect();
+    // The stretches along which a line and later ones, of which one is open, lie on each other.
+    let along = |i: usize| {
+        let a = &lines[i];
+        let others = if is_open(&i) { &all } else { &open };
+        let later = others[others.partition_point(|&j| j <= i)..].iter();
+        let near = later
+            .map(|&j| &lines[j])
+            .take_while(|b| b.hull.x.lo <= a.hull.x.hi)
+            .filter(|b| a.hull.touches(b.hull));
+        let joint = |b: &Line| {
             let (first, second) = if a.number < b.number { (a, b) } else { (b, a) };
             let within = a.within.min(b.within);
             let both = [second.on(first, within), first.on(second, within)];
             let share = |s: &Option<(f64, PartialJoint)>| s.as_ref().map_or(0.0, |s| s.0);
             let [x, y] = both;
             let longer = if share(&y) > share(&x) { y } else { x };
-            found.extend(longer.map(|(_, joint)| joint));
-        }
-    }
+            longer.map(|(_, joint)| joint)
+        };
+        near.filter_map(joint).collect::<Vec<_>>()
+    };
+    let found = parallel::each(threads, lines.len(), along, |_| false);
+    let mut found: Vec<PartialJoint> = found.into_iter().flatten().collect();
     found.sort_by_key(|j| [j.along, j.part].map(|(surface, side)| (surface, side as usize)));
     found
 }
@@ -72,7 +93,8 @@ pub fn partial_joints(surfaces: &[SurfaceRef], weld: f64) -> Vec<PartialJoint> {
 struct Line<'a> {
     number: usize,
     edge: Edge<'a>,
-    points: Vec<DVec3>,
+    /// Samples, once another line is near: all of them together would be larger than the mesh.
+    points: OnceLock<Vec<DVec3>>,
     /// A box around it, wide enough for whatever meets it.
     hull: Box3,
     within: f64,
@@ -80,10 +102,8 @@ struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
-    fn new(surfaces: &'a [SurfaceRef], number: usize, weld: f64) -> Self {
-        let edge = edge(surfaces, number);
-        let within = edge.join_within(weld);
-        let points: Vec<DVec3> = edge.samples().map(|t| edge.point(t)).collect();
+    fn new(edge: Edge<'a>, number: usize, within: f64) -> Self {
+        let points = edge.points(&edge.parts(SAMPLES));
         // Between samples the side may leave the box of its samples, by about as much as they are apart.
         let steps = points.windows(2).map(|p| p[0].distance(p[1]));
         let margin = within + steps.fold(0.0, f64::max);
@@ -93,9 +113,14 @@ impl<'a> Line<'a> {
             closed: points[0].distance(points[points.len() - 1]) <= within,
             number,
             edge,
-            points,
+            points: OnceLock::new(),
             within,
         }
+    }
+
+    fn points(&self) -> &[DVec3] {
+        self.points
+            .get_or_init(|| self.edge.points(&self.edge.parts(GUESSES)))
     }
 
     fn name(&self) -> (usize, Side) {
@@ -104,8 +129,9 @@ impl<'a> Line<'a> {
 
     /// The parameter of the nearest point.
     fn nearest(&self, p: DVec3) -> f64 {
-        let distance = |k: &usize| self.points[*k].distance_squared(p);
-        let best = (0..self.points.len())
+        let points = self.points();
+        let distance = |k: &usize| points[*k].distance_squared(p);
+        let best = (0..points.len())
             .min_by(|a, b| distance(a).total_cmp(&distance(b)))
             .unwrap_or(0);
         let at = |k: usize| self.edge.sample(k.min(GUESSES), GUESSES);

@@ -7,9 +7,10 @@
 
 use super::bisection::Place;
 use super::layout::Layout;
-use super::lines::{Key, Lines, index, key};
+use super::lines::{Key, index, key};
 use super::options::MeshError;
 use super::slide::is_turned;
+use super::stitch::Border;
 use super::{MeshPatch, MeshVertex};
 use crate::breaks::Limit;
 use crate::interval::Interval;
@@ -35,12 +36,15 @@ pub(super) struct Builder<'a> {
     pub(super) index: usize,
     pub(super) surface: &'a dyn Surface,
     pub(super) layout: &'a Layout,
-    pub(super) lines: &'a Lines,
+    pub(super) border: &'a Border,
     /// The lines that are one point each.
     pub(super) collapsed: Vec<Collapsed>,
     /// The points on the sides.
     pub(super) on_sides: HashMap<Key, u32>,
-    pub(super) points: &'a mut Vec<DVec3>,
+    /// The points that it shares with others.
+    pub(super) shared: &'a [DVec3],
+    /// Its own points, numbered after the shared ones.
+    pub(super) own: Vec<DVec3>,
     pub(super) patch: MeshPatch,
     /// The largest distance of a vertex' point from the surface.
     pub(super) gap: f64,
@@ -151,20 +155,26 @@ impl Builder<'_> {
         let point = match known.or_else(|| self.collapsed[line?].point) {
             Some(point) => point,
             None => {
-                self.points.push(p);
-                self.points.len() as u32 - 1
+                self.own.push(p);
+                (self.shared.len() + self.own.len()) as u32 - 1
             }
         };
         if let Some(l) = line {
             self.collapsed[l].point.get_or_insert(point);
         }
-        self.gap = self.gap.max(self.points[point as usize].distance(p));
+        self.gap = self.gap.max(self.place_of(point).distance(p));
         Ok(Spot {
             uv,
             point,
             tip: line.map(|l| 1 - self.collapsed[l].across),
             number: None,
         })
+    }
+
+    fn place_of(&self, point: u32) -> DVec3 {
+        let point = point as usize;
+        let own = || self.own[point - self.shared.len()];
+        self.shared.get(point).copied().unwrap_or_else(own)
     }
 
     fn cell(&mut self, cell: [usize; 2], work: &mut Work) -> Result<(), MeshError> {
@@ -215,7 +225,8 @@ impl Builder<'_> {
             }
             let along = 1 - d;
             let [a, b] = [from[along], to[along]];
-            let mut params = self.lines.between(side, a.min(b), a.max(b)).to_vec();
+            let between = self.border.between(side, a.min(b), a.max(b));
+            let mut params: Vec<f64> = between.iter().map(|v| v.0).collect();
             if a > b {
                 params.reverse();
             }
@@ -229,7 +240,7 @@ impl Builder<'_> {
             return;
         }
         if let Some(normal) = work.normal.filter(|_| check) {
-            let at = p.map(|p| self.points[p as usize]);
+            let at = p.map(|p| self.place_of(p));
             self.turned_over |= !is_turned(at, normal, self.rounding);
         }
         let triangle = [0, 1, 2].map(|k| {
@@ -305,7 +316,7 @@ impl Builder<'_> {
         }
         let mut sums = vec![DVec3::ZERO; self.patch.vertices.len()];
         for t in &self.patch.triangles {
-            let [a, b, c] = t.map(|v| self.points[self.patch.vertices[v as usize].point as usize]);
+            let [a, b, c] = t.map(|v| self.place_of(self.patch.vertices[v as usize].point));
             let n = (b - a).cross(c - a);
             for &v in t {
                 sums[v as usize] += n;

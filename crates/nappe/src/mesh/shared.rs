@@ -4,11 +4,14 @@
 //! the other no farther than the weld distance, in order. The parametrisations may differ. Sampling decides only what is
 //! joined; how far the joined points are from each surface is measured at every vertex and counts as deviation.
 
+use super::closing;
 use super::lines::index;
 use crate::breaks::Limit;
 use crate::interval::Interval;
+use crate::parallel;
 use crate::surface::{Corner, Dir, Side, Surface, SurfaceRef, jet_len};
 use glam::DVec3;
+use smallvec::SmallVec;
 use std::collections::HashMap;
 
 /// The number of samples along a side; partners between them are found by Newton's method from these.
@@ -75,9 +78,19 @@ impl<'a> Edge<'a> {
         }
     }
 
-    /// Parameters spread evenly over the side.
-    pub(super) fn samples(&self) -> impl Iterator<Item = f64> + '_ {
-        (0..=GUESSES).map(|k| self.sample(k, GUESSES))
+    /// Parameters that divide the side evenly.
+    pub(super) fn parts(&self, of: usize) -> Vec<f64> {
+        (0..=of).map(|k| self.sample(k, of)).collect()
+    }
+
+    /// The points at many parameters, the same as one by one.
+    pub(super) fn points(&self, t: &[f64]) -> Vec<DVec3> {
+        let mut points = vec![DVec3::ZERO; t.len()];
+        match self.side.along() {
+            Dir::U => self.surface.grid(t, &[self.at], &mut points),
+            Dir::V => self.surface.grid(&[self.at], t, &mut points),
+        }
+        points
     }
 
     /// The parameter in `within` of the point nearest to `p`, near `guess`: Newton's method on `(r - p)·r' = 0` with
@@ -132,7 +145,7 @@ impl<'a> Edge<'a> {
 /// The correspondence between the parameters of two sides that match.
 #[derive(Clone, Debug)]
 pub(crate) struct Map {
-    /// Increasing parameters of the leading side and their partners, increasing or decreasing.
+    /// Increasing parameters of the leading side and their partners, increasing or decreasing; the ends if linear.
     table: Vec<[f64; 2]>,
     /// True if the parameters correspond linearly.
     linear: bool,
@@ -159,11 +172,7 @@ impl Map {
             self.table.partition_point(|e| e[from] <= t)
         }
         .clamp(1, last);
-        let (a, b) = if self.linear {
-            (self.table[0], self.table[last])
-        } else {
-            (self.table[k - 1], self.table[k])
-        };
+        let (a, b) = (self.table[k - 1], self.table[k]);
         let share = (t - a[from]) / (b[from] - a[from]);
         let guess = a[to] + (b[to] - a[to]) * share;
         if self.linear {
@@ -187,22 +196,25 @@ pub(crate) fn matching(a: &Edge, b: &Edge, weld: f64) -> Option<Map> {
 }
 
 fn linear(a: &Edge, b: &Edge, reversed: bool, weld: f64) -> Option<Map> {
-    let partner = |k| b.sample(if reversed { SAMPLES - k } else { k }, SAMPLES);
-    let table: Vec<_> = (0..=SAMPLES)
-        .map(|k| [a.sample(k, SAMPLES), partner(k)])
-        .collect();
-    table
-        .iter()
-        .all(|&[s, t]| a.point(s).distance(b.point(t)) <= weld)
-        .then_some(Map {
-            table,
-            linear: true,
-        })
+    let [s, mut t] = [a, b].map(|e| e.parts(SAMPLES));
+    if reversed {
+        t.reverse();
+    }
+    let mut pairs = a.points(&s).into_iter().zip(b.points(&t));
+    let table = vec![[s[0], t[0]], [s[SAMPLES], t[SAMPLES]]];
+    pairs.all(|(p, q)| p.distance(q) <= weld).then_some(Map {
+        table,
+        linear: true,
+    })
 }
 
 fn general(a: &Edge, b: &Edge, reversed: bool, weld: f64) -> Option<Map> {
-    let at = |k: usize| b.sample(if reversed { GUESSES - k } else { k }, GUESSES);
-    let points: Vec<DVec3> = (0..=GUESSES).map(|k| b.point(at(k))).collect();
+    let mut guesses = b.parts(GUESSES);
+    if reversed {
+        guesses.reverse();
+    }
+    let points = b.points(&guesses);
+    let at = |k: usize| guesses[k];
     let mut table = vec![[a.range.lo, at(0)]];
     let mut from = 0;
     for k in 1..SAMPLES {
@@ -246,7 +258,7 @@ pub(super) struct Shared {
     pub(super) joins: Vec<Option<Join>>,
     pub(super) collapsed: Vec<bool>,
     /// For each leading side the sides joined to it.
-    pub(super) followers: Vec<Vec<usize>>,
+    pub(super) followers: Vec<SmallVec<[usize; 1]>>,
     /// For each corner the first corner that is the same point.
     pub(super) corners: Vec<usize>,
 }
@@ -268,11 +280,11 @@ pub(super) fn ends(number: usize) -> [usize; 2] {
     [a, b].map(|c| number / 4 * 4 + c as usize)
 }
 
-/// The leading sides by the place of the middle of their ends, so that only sides that may match are compared.
+/// The sides by the place of the middle of their ends, so that only sides that may match are compared.
 struct Places {
     /// The size of a cell: partners are in the same cell or the next.
     size: f64,
-    cells: HashMap<[i64; 3], Vec<usize>>,
+    cells: HashMap<[i64; 3], SmallVec<[usize; 2]>>,
 }
 
 impl Places {
@@ -309,41 +321,98 @@ impl Places {
     }
 }
 
-/// Finds what is shared within `weld`, or within a small share of what is smaller than that (see `closing`). Cost:
-/// proportional to the number of sides, and 10³ points for each pair whose ends agree.
-pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
-    let count = 4 * surfaces.len();
-    let edges: Vec<Edge> = (0..count).map(|k| edge(surfaces, k)).collect();
-    let tips: Vec<[DVec3; 2]> = edges
-        .iter()
-        .map(|e| [e.point(e.range.lo), e.point(e.range.hi)])
-        .collect();
-    let collapsed: Vec<bool> = edges
-        .iter()
-        .map(|e| e.is_collapsed(e.point_within(weld)))
-        .collect();
-    let within: Vec<f64> = edges.iter().map(|e| e.join_within(weld)).collect();
+/// A side of a surface, measured.
+struct Measured {
+    /// The points at its ends.
+    tips: [DVec3; 2],
+    collapsed: bool,
+    /// It may be joined to another no farther than this.
+    within: f64,
+}
+
+impl Measured {
+    /// The sides of a surface.
+    fn of(surface: &dyn Surface, weld: f64) -> [Self; 4] {
+        let within = closing::within(surface, weld);
+        Side::ALL.map(|side| {
+            let (e, within) = (Edge::new(surface, side), within[side as usize]);
+            Self {
+                tips: [e.point(e.range.lo), e.point(e.range.hi)],
+                collapsed: e.is_collapsed(within.point),
+                within: within.join,
+            }
+        })
+    }
+
+    /// The distance within which two sides may be joined.
+    fn within(&self, o: &Self) -> f64 {
+        self.within.min(o.within)
+    }
+
+    /// True if the ends are near enough.
+    fn ends_meet(&self, o: &Self) -> bool {
+        let ([p, q], [s, e]) = (self.tips, o.tips);
+        let near = |p: DVec3, q: DVec3| p.distance(q) <= self.within(o);
+        (near(p, s) && near(q, e)) || (near(p, e) && near(q, s))
+    }
+}
+
+/// What a side may be joined to.
+struct Candidates {
+    /// The earlier sides whose ends agree with its own.
+    near: Vec<usize>,
+    /// How the first of these matches: most often it leads.
+    map: Option<Map>,
+}
+
+/// Finds what is shared within `weld`, or within a small share of what is smaller than that (see `closing`), on some
+/// threads. Cost: proportional to the number of sides, and some hundred points for each pair whose ends agree.
+pub(super) fn find(surfaces: &[SurfaceRef], weld: f64, threads: usize) -> Shared {
+    let measured = |i: usize| Measured::of(surfaces[i].as_ref(), weld);
+    let sides = parallel::each(threads, surfaces.len(), measured, |_| false);
+    let sides = sides.as_flattened();
+    let count = sides.len();
+    let mut places = Places::new(weld);
+    for (k, side) in sides.iter().enumerate().filter(|(_, s)| !s.collapsed) {
+        places.add(side.tips, k);
+    }
+    let join = |a: usize, b: usize| {
+        let within = sides[a].within(&sides[b]);
+        matching(&edge(surfaces, a), &edge(surfaces, b), within)
+    };
+    let candidates = |b: usize| {
+        if sides[b].collapsed {
+            return None;
+        }
+        let near = places.near(sides[b].tips).into_iter();
+        let near: Vec<usize> = near
+            .filter(|&a| a < b && sides[a].ends_meet(&sides[b]))
+            .collect();
+        let map = join(*near.first()?, b);
+        Some(Box::new(Candidates { near, map }))
+    };
+    let candidates = parallel::each(threads, count, candidates, |_| false);
+    drop(places);
     let mut corners: Vec<usize> = (0..count).collect();
     let mut joins: Vec<Option<Join>> = vec![None; count];
-    let mut places = Places::new(weld);
-    for b in 0..count {
-        if collapsed[b] {
+    for (b, candidates) in candidates.into_iter().enumerate() {
+        if sides[b].collapsed {
             let [s, e] = ends(b);
             unite(&mut corners, s, e);
             continue;
         }
-        joins[b] = places
-            .near(tips[b])
-            .into_iter()
-            .filter(|&a| {
-                let ([p, q], [s, e]) = (tips[a], tips[b]);
-                let near = |p: DVec3, q: DVec3| p.distance(q) <= within[a].min(within[b]);
-                (near(p, s) && near(q, e)) || (near(p, e) && near(q, s))
+        joins[b] = candidates.and_then(|c| {
+            let Candidates { near, mut map } = *c;
+            let leaders = near.iter().filter(|&&a| joins[a].is_none());
+            leaders.into_iter().find_map(|&leader| {
+                let map = if leader == near[0] {
+                    map.take()
+                } else {
+                    join(leader, b)
+                };
+                Some(Join { leader, map: map? })
             })
-            .find_map(|a| {
-                let map = matching(&edges[a], &edges[b], within[a].min(within[b]))?;
-                Some(Join { leader: a, map })
-            });
+        });
         if let Some(join) = &joins[b] {
             let ([p, q], [s, e]) = (ends(join.leader), ends(b));
             let (s, e) = if join.map.is_reversed() {
@@ -353,12 +422,10 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
             };
             unite(&mut corners, p, s);
             unite(&mut corners, q, e);
-        } else {
-            places.add(tips[b], b);
         }
     }
-    let corners = (0..count).map(|c| root(&corners, c)).collect();
-    let mut followers = vec![Vec::new(); count];
+    let corners = (0..count).map(|c| root(&mut corners, c)).collect();
+    let mut followers = vec![SmallVec::new(); count];
     for (k, join) in joins.iter().enumerate() {
         if let Some(join) = join {
             followers[join.leader].push(k);
@@ -367,13 +434,15 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64) -> Shared {
     Shared {
         followers,
         joins,
-        collapsed,
+        collapsed: sides.iter().map(|s| s.collapsed).collect(),
         corners,
     }
 }
 
-fn root(parents: &[usize], mut c: usize) -> usize {
+/// The first of a set; paths to it are shortened on the way.
+fn root(parents: &mut [usize], mut c: usize) -> usize {
     while parents[c] != c {
+        parents[c] = parents[parents[c]];
         c = parents[c];
     }
     c
@@ -456,11 +525,7 @@ impl Shared {
 
     /// True if something of the surface is shared or collapsed.
     pub(super) fn touches(&self, surface: usize) -> bool {
-        let sides = 4 * surface..4 * surface + 4;
-        sides.clone().any(|k| self.collapsed[k])
-            || self.joins.iter().enumerate().any(|(k, j)| {
-                j.as_ref()
-                    .is_some_and(|j| sides.contains(&k) || sides.contains(&j.leader))
-            })
+        (4 * surface..4 * surface + 4)
+            .any(|k| self.collapsed[k] || self.joins[k].is_some() || !self.followers[k].is_empty())
     }
 }

@@ -1,8 +1,9 @@
 //! The points on the sides of all surfaces, one for every place.
 
-use super::lines::{Key, Lines, key};
+use super::Laid;
+use super::lines::{self, Key, key};
 use super::shared::{Edge, Map, Shared, edge, ends};
-use crate::surface::{Corner, SurfaceRef};
+use crate::surface::{Corner, Side, Surface, SurfaceRef};
 use glam::DVec3;
 use smallvec::SmallVec;
 use std::collections::HashMap;
@@ -16,49 +17,80 @@ struct Knot {
     params: SmallVec<[Option<f64>; 2]>,
 }
 
-/// Replaces the vertices on the sides by the union of what all members ask for and gives out the points. Returns for
-/// each surface the point of every vertex on its border.
+/// The vertices on the border of a surface.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Border {
+    /// The points of the corners.
+    corners: [u32; 4],
+    /// For each side the vertices between its corners: their parameters, increasing, and their points.
+    sides: [Vec<(f64, u32)>; 4],
+}
+
+impl Border {
+    /// The points of all vertices.
+    pub(super) fn points(&self, surface: &dyn Surface) -> HashMap<Key, u32> {
+        let corners = Corner::ALL.map(|c| key(place(surface, c)));
+        let mut points: HashMap<Key, u32> = corners.into_iter().zip(self.corners).collect();
+        for (side, vertices) in Side::ALL.into_iter().zip(&self.sides) {
+            let e = Edge::new(surface, side);
+            points.extend(vertices.iter().map(|&(t, id)| (key(e.uv(t)), id)));
+        }
+        points
+    }
+
+    /// The vertices on a side strictly between two parameters, increasing.
+    pub(super) fn between(&self, side: Side, from: f64, to: f64) -> &[(f64, u32)] {
+        let line = &self.sides[side as usize];
+        let first = line.partition_point(|v| v.0 <= from);
+        let last = line.partition_point(|v| v.0 < to);
+        &line[first..last.max(first)]
+    }
+
+    /// Replaces points by others.
+    pub(super) fn rename(&mut self, name: impl Fn(u32) -> u32) {
+        let sides = self.sides.iter_mut().flatten().map(|v| &mut v.1);
+        for id in sides.chain(&mut self.corners) {
+            *id = name(*id);
+        }
+    }
+}
+
+/// The parameters of a corner.
+fn place(surface: &dyn Surface, corner: Corner) -> [f64; 2] {
+    let (domain, end) = (surface.domain(), corner.ends());
+    [0, 1].map(|d| [domain[d].lo, domain[d].hi][end[d]])
+}
+
+/// Finds the vertices on the sides, the union of what all members of a shared side ask for, and gives out the points.
 pub(super) fn stitch(
     surfaces: &[SurfaceRef],
+    layouts: &[Laid],
     shared: &Shared,
     weld: f64,
-    lines: &mut [Lines],
     points: &mut Vec<DVec3>,
-) -> Vec<HashMap<Key, u32>> {
-    let mut border: Vec<HashMap<Key, u32>> = vec![HashMap::new(); surfaces.len()];
-    let mut id_of_corner = Vec::with_capacity(shared.corners.len());
+) -> Vec<Border> {
+    let mut borders = vec![Border::default(); surfaces.len()];
     for (c, &first) in shared.corners.iter().enumerate() {
-        let domain = surfaces[c / 4].domain();
-        let end = Corner::ALL[c % 4].ends();
-        let uv = [0, 1].map(|d| {
-            if end[d] == 0 {
-                domain[d].lo
-            } else {
-                domain[d].hi
-            }
-        });
-        let id = if first == c {
-            points.push(surfaces[c / 4].point(uv));
+        borders[c / 4].corners[c % 4] = if first == c {
+            let surface = surfaces[c / 4].as_ref();
+            points.push(surface.point(place(surface, Corner::ALL[c % 4])));
             points.len() as u32 - 1
         } else {
-            id_of_corner[first]
+            borders[first / 4].corners[first % 4]
         };
-        id_of_corner.push(id);
-        border[c / 4].insert(key(uv), id);
     }
     for leader in 0..shared.joins.len() {
         let lead = edge(surfaces, leader);
-        let inner = |e: &Edge, lines: &[Lines], number: usize| -> Vec<f64> {
-            let on = lines[number / 4].on(e.side);
-            on.iter()
-                .copied()
-                .filter(|&t| e.range.lo < t && t < e.range.hi)
-                .collect()
+        let inner = |e: &Edge, number: usize| -> Vec<f64> {
+            let mut on = lines::on(&layouts[number / 4].layout, e.side);
+            on.retain(|&t| e.range.lo < t && t < e.range.hi);
+            on
         };
+        let own = &mut borders[leader / 4];
         if shared.collapsed[leader] {
-            for t in inner(&lead, lines, leader) {
-                border[leader / 4].insert(key(lead.uv(t)), id_of_corner[ends(leader)[0]]);
-            }
+            let corner = own.corners[ends(leader)[0] % 4];
+            let vertices = inner(&lead, leader).into_iter().map(|t| (t, corner));
+            own.sides[leader % 4] = vertices.collect();
             continue;
         }
         if shared.joins[leader].is_some() {
@@ -71,12 +103,12 @@ pub(super) fn stitch(
         let edges: Vec<Edge> = members.iter().map(|&(k, _)| edge(surfaces, k)).collect();
 
         // What each member asks for, as parameters of the leader.
-        let mut asked: Vec<(f64, usize, f64)> = inner(&lead, lines, leader)
+        let mut asked: Vec<(f64, usize, f64)> = inner(&lead, leader)
             .into_iter()
             .map(|t| (t, 0, t))
             .collect();
         for (m, (&(number, map), e)) in members.iter().zip(&edges).enumerate() {
-            let mut own = inner(e, lines, number);
+            let mut own = inner(e, number);
             if map.is_reversed() {
                 own.reverse();
             }
@@ -112,7 +144,7 @@ pub(super) fn stitch(
         points.extend(knots.iter().map(|k| k.p));
         let known: Vec<Option<f64>> = knots.iter().map(|k| k.params[0]).collect();
         let found = filled(&known, [lead.range.lo, lead.range.hi], |i| knots[i].t);
-        record(&lead, leader, &found, first_id, lines, &mut border);
+        record(leader, found, first_id, &mut borders);
         for (m, (&(number, map), e)) in members.iter().zip(&edges).enumerate() {
             let known: Vec<Option<f64>> = knots.iter().map(|k| k.params[m + 1]).collect();
             let range = if map.is_reversed() {
@@ -121,10 +153,10 @@ pub(super) fn stitch(
                 [e.range.lo, e.range.hi]
             };
             let found = filled(&known, range, |i| map.partner(0, knots[i].t, knots[i].p, e));
-            record(e, number, &found, first_id, lines, &mut border);
+            record(number, found, first_id, &mut borders);
         }
     }
-    border
+    borders
 }
 
 /// Fills in the unknown parameters so that all run strictly from one end of the range to the other.
@@ -149,23 +181,10 @@ fn filled(known: &[Option<f64>], [from, to]: [f64; 2], guess: impl Fn(usize) -> 
 }
 
 /// Writes down the vertices of one side.
-fn record(
-    e: &Edge,
-    number: usize,
-    params: &[f64],
-    first_id: u32,
-    lines: &mut [Lines],
-    border: &mut [HashMap<Key, u32>],
-) {
-    let surface = number / 4;
-    for (i, &t) in params.iter().enumerate() {
-        border[surface].insert(key(e.uv(t)), first_id + i as u32);
-    }
-    let mut line = vec![e.range.lo];
-    line.extend(params);
-    line.push(e.range.hi);
-    line.sort_by(f64::total_cmp);
-    lines[surface].set(e.side, line);
+fn record(number: usize, params: Vec<f64>, first_id: u32, borders: &mut [Border]) {
+    let mut vertices: Vec<(f64, u32)> = params.into_iter().zip(first_id..).collect();
+    vertices.sort_by(|a, b| a.0.total_cmp(&b.0));
+    borders[number / 4].sides[number % 4] = vertices;
 }
 
 #[cfg(test)]
