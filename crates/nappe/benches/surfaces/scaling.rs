@@ -135,11 +135,14 @@ fn meshed(n: usize, tol: f64) -> Cost {
 
 /// The plots whose files are named, or all.
 pub(crate) fn measure(quick: bool, names: &[&str]) -> Vec<Plot> {
-    let all: [(&str, fn(bool) -> Plot); 3] =
-        [("points", points), ("nets", nets), ("patches", patches)];
-    all.into_iter()
-        .filter(|(file, _)| names.is_empty() || names.contains(file))
-        .map(|(_, plot)| plot(quick))
+    ["points", "nets", "patches"]
+        .into_iter()
+        .filter(|file| names.is_empty() || names.contains(file))
+        .map(|file| match file {
+            "points" => points(quick),
+            "nets" => nets(quick),
+            _ => patches(quick),
+        })
         .collect()
 }
 
