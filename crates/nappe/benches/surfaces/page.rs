@@ -35,7 +35,7 @@ const BOUNDS: &str = "
   by what it does to the surface, is fine. Preparing them takes the first list of a surface up to some tens of
   milliseconds, a Diagonal-key surface in space up to a third of a second. Where functions are singular, they are
   evaluated as single points are: such lists cost what their functions cost.
-* **mesh**: the enclosures that prove the tolerance.
+* **mesh**: the enclosures that prove the tolerance, and the samples of squares with few triangles.
 
 Grids are the same as single points to the last bit, with any instruction set and any number of threads. Lists are the
 same with any instruction set and any number of threads, and agree with single points within four units in the last place
