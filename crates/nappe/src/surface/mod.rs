@@ -86,6 +86,7 @@ mod ruled;
 mod sectors;
 mod separable;
 mod sides;
+mod spans;
 mod torus;
 mod transformed;
 mod turned;

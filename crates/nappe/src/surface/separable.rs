@@ -3,10 +3,10 @@
 //! Every surface of the five sources is of this form. A kind states its two lists of functions and the constant core
 //! `C`; derivatives, enclosures, grids and the exact conversion to NURBS are here, once.
 
-use super::effect::effects;
+use super::list::Prepared;
 use super::quotient::quotient;
 use super::{Dir, Surface, check_length, grid, jet_index, jet_len, list, pairs};
-use crate::basis::{FunctionsRef, TABLE_ORDER, Table, room};
+use crate::basis::{FunctionsRef, TABLE_ORDER, room};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit, Part};
 use crate::exact::NurbsSurface;
@@ -53,8 +53,8 @@ pub struct Separable {
     core: Core,
     origin: DVec3,
     rational: bool,
-    /// Both sides prepared for lists, when the first list comes.
-    tables: Arc<OnceLock<[Table; 2]>>,
+    /// What lists need, prepared when the first list comes.
+    prepared: Arc<OnceLock<Prepared>>,
 }
 
 impl Separable {
@@ -98,15 +98,12 @@ impl Separable {
             core,
             origin,
             rational,
-            tables: Arc::default(),
+            prepared: Arc::default(),
         }
     }
 
-    pub(super) fn tables(&self) -> &[Table; 2] {
-        self.tables.get_or_init(|| {
-            let [u, v] = effects(self);
-            [Table::new(&self.u, &u), Table::new(&self.v, &v)]
-        })
+    pub(super) fn prepared(&self) -> &Prepared {
+        self.prepared.get_or_init(|| Prepared::new(self))
     }
 
     /// The functions of u.
@@ -144,6 +141,7 @@ impl Separable {
         Self {
             core,
             origin: map.transform_point3(self.origin),
+            prepared: Arc::default(),
             ..self.clone()
         }
     }
@@ -443,7 +441,7 @@ impl Surface for Separable {
     fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
         check_length(uv.len() * jet_len(order), out.len());
         if order <= TABLE_ORDER {
-            list::jets(self, self.tables(), uv, order, out);
+            list::jets(self, self.prepared(), uv, order, out);
             return;
         }
         for (out, &uv) in out.chunks_exact_mut(jet_len(order)).zip(uv) {
