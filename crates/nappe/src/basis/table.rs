@@ -200,8 +200,16 @@ struct Piece {
     first: usize,
 }
 
-/// 2⁵²: doubles from here on are integers.
-const INTEGERS: f64 = 4503599627370496.0;
+/// The integer from 0 to `last` that is nearest; 0 for what is no number.
+#[inline(always)]
+pub(super) fn nearest(x: f64, last: f64) -> usize {
+    // 2⁵²: doubles from here on are integers, and so the sum has the nearest integer in its last bits.
+    const INTEGERS: f64 = 4503599627370496.0;
+    // These comparisons are single instructions; a conversion that saturates is ten.
+    let x = if x > 0.0 { x } else { 0.0 };
+    let x = if x < last { x } else { last };
+    (x + INTEGERS).to_bits() as u32 as usize
+}
 
 /// Polynomials over pieces: `f_i(t) = Σ_k c_ki s^k` with `s` from -1 to 1 over the piece.
 #[derive(Clone, Debug)]
@@ -325,12 +333,7 @@ impl Powers {
     /// The piece of a parameter and the parameter in it, from -1 to 1.
     #[inline(always)]
     pub(crate) fn locate(&self, t: f64) -> (usize, f64) {
-        let x = (t - self.lo) * self.per_bucket;
-        // What is no number goes to 0. These comparisons are single instructions, and so is what follows: in the sum the
-        // nearest integer stands in the last bits.
-        let x = if x > 0.0 { x } else { 0.0 };
-        let x = if x < self.last { x } else { self.last };
-        let bucket = (x + INTEGERS).to_bits() as u32 as usize;
+        let bucket = nearest((t - self.lo) * self.per_bucket, self.last);
         let mut piece = self.buckets[bucket] as usize;
         // Without a branch, since nothing could predict it.
         piece += usize::from(self.pieces[piece].end <= t);

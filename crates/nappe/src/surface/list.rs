@@ -35,6 +35,11 @@ impl Prepared {
         let spans = Spans::new(&tables, effects.size);
         Self { tables, spans }
     }
+
+    #[cfg(test)]
+    pub(super) fn parts(&self) -> (&[Table; 2], Option<&Spans>) {
+        (&self.tables, self.spans.as_ref())
+    }
 }
 
 /// Writes the derivatives up to `order` (at most 2) of every point of a list, point by point.
@@ -47,24 +52,20 @@ pub(super) fn jets(
 ) {
     let tables = &prepared.tables;
     if let Some(spans) = &prepared.spans {
-        let rest = spans.jets(surface, tables, uv, order, out);
-        if !rest.is_empty() {
-            let few = |k: usize| rest[k];
-            choose(surface, tables, order, uv, (rest.len(), few), out);
-        }
-        return;
+        return spans.jets(surface, tables, uv, order, out);
     }
     let each = jet_len(order);
     if let (Core::Net(net), Some(sides)) = (surface.core(), splines(tables))
         && net.len() > LARGE_NET
     {
+        let mut sorted = Sorted::default();
         for (uv, out) in uv.chunks(SORTED).zip(out.chunks_mut(SORTED * each)) {
-            let sorted = by_tile(sides, uv);
-            let at = |k: usize| sorted[k] as usize;
-            choose(surface, tables, order, uv, (uv.len(), at), out);
+            sorted.by_tile(sides, uv);
+            let at = |k: usize| sorted.index[k] as usize;
+            choose(surface, tables, order, &sorted.uv, at, out);
         }
     } else {
-        choose(surface, tables, order, uv, (uv.len(), |k| k), out);
+        choose(surface, tables, order, uv, |k| k, out);
     }
 }
 
@@ -74,25 +75,39 @@ fn splines(tables: &[Table; 2]) -> Option<[&Powers; 2]> {
     (of_u == Interval::ENTIRE && of_v == Interval::ENTIRE).then_some([u, v])
 }
 
-/// The indices of a list in the order of the tiles of the net that the points lie in.
-fn by_tile([u, v]: [&Powers; 2], uv: &[[f64; 2]]) -> Vec<u32> {
-    let columns = v.pieces().div_ceil(TILE);
-    let tiles = u.pieces().div_ceil(TILE) * columns;
-    let tile = |&[a, b]: &[f64; 2]| u.locate(a).0 / TILE * columns + v.locate(b).0 / TILE;
-    let keys: Vec<u32> = uv.iter().map(|uv| tile(uv) as u32).collect();
-    let mut next = vec![0u32; tiles + 1];
-    for &k in &keys {
-        next[k as usize + 1] += 1;
+/// Points in the order of the tiles of the net that they lie in.
+#[derive(Default)]
+struct Sorted {
+    /// Where each stands in the list.
+    index: Vec<u32>,
+    uv: Vec<[f64; 2]>,
+    tiles: Vec<u32>,
+}
+
+impl Sorted {
+    /// Sorts a list.
+    fn by_tile(&mut self, [u, v]: [&Powers; 2], uv: &[[f64; 2]]) {
+        let columns = v.pieces().div_ceil(TILE);
+        let mut next = vec![0u32; u.pieces().div_ceil(TILE) * columns + 1];
+        let tile = |&[a, b]: &[f64; 2]| u.locate(a).0 / TILE * columns + v.locate(b).0 / TILE;
+        self.tiles.clear();
+        self.tiles.extend(uv.iter().map(|uv| tile(uv) as u32));
+        for &k in &self.tiles {
+            next[k as usize + 1] += 1;
+        }
+        for k in 1..next.len() {
+            next[k] += next[k - 1];
+        }
+        self.index.resize(uv.len(), 0);
+        self.uv.resize(uv.len(), [0.0; 2]);
+        for (i, (&uv, &k)) in uv.iter().zip(&self.tiles).enumerate() {
+            let at = &mut next[k as usize];
+            self.index[*at as usize] = i as u32;
+            // Parameters move along: picked out one by one they would come from everywhere.
+            self.uv[*at as usize] = uv;
+            *at += 1;
+        }
     }
-    for k in 0..tiles {
-        next[k + 1] += next[k];
-    }
-    let mut sorted = vec![0u32; uv.len()];
-    for (i, &k) in keys.iter().enumerate() {
-        sorted[next[k as usize] as usize] = i as u32;
-        next[k as usize] += 1;
-    }
-    sorted
 }
 
 /// Takes the kernel that fits: nets of equal low degree have their own.
@@ -101,14 +116,13 @@ fn choose(
     tables: &[Table; 2],
     order: usize,
     uv: &[[f64; 2]],
-    (count, index): (usize, impl Fn(usize) -> usize),
+    index: impl Fn(usize) -> usize,
     out: &mut [DVec3],
 ) {
     let task = Task {
         surface,
         tables,
         uv,
-        count,
         index,
         out,
     };
@@ -119,12 +133,11 @@ fn choose(
     }
 }
 
-/// A list to evaluate: `index(k)` is the k-th of `count` points to take.
+/// A list to evaluate: the k-th point is written to place `index(k)`.
 struct Task<'a, I> {
     surface: &'a Separable,
     tables: &'a [Table; 2],
     uv: &'a [[f64; 2]],
-    count: usize,
     index: I,
     out: &'a mut [DVec3],
 }
@@ -176,7 +189,6 @@ impl<I: Fn(usize) -> usize, const ROWS: usize, const JET: usize> QuadKernel
             surface,
             tables,
             uv,
-            count,
             index,
             out,
         } = self.0;
@@ -184,9 +196,8 @@ impl<I: Fn(usize) -> usize, const ROWS: usize, const JET: usize> QuadKernel
         let (nu, nv) = (surface.functions_u().count(), surface.functions_v().count());
         let mut a = vec![0.0; ROWS * nu];
         let mut b = vec![0.0; ROWS * nv];
-        for k in 0..count {
-            let at = index(k);
-            let [u, v] = uv[at];
+        for k in 0..uv.len() {
+            let [u, v] = uv[k];
             let (first_u, wide_u) = tables[0].eval::<Q, ROWS>(q, u, &mut a);
             let (first_v, wide_v) = tables[1].eval::<Q, ROWS>(q, v, &mut b);
             let factors = Factors {
@@ -214,7 +225,7 @@ impl<I: Fn(usize) -> usize, const ROWS: usize, const JET: usize> QuadKernel
                     }
                 }
             }
-            put(q, surface, &h, &mut out[at]);
+            put(q, surface, &h, &mut out[index(k)]);
         }
     }
 }
@@ -312,9 +323,8 @@ impl<I: Fn(usize) -> usize, const N: usize, const ROWS: usize, const JET: usize>
         let ([u, v], task) = (self.sides, self.task);
         let out = task.out.as_chunks_mut().0;
         let columns = task.surface.functions_v().count();
-        for k in 0..task.count {
-            let at = (task.index)(k);
-            let [x, y] = task.uv[at];
+        for k in 0..task.uv.len() {
+            let [x, y] = task.uv[k];
             let (pu, s) = u.locate(x);
             let (pv, t) = v.locate(y);
             let a = u.four::<Q, N, ROWS>(quads, pu, s);
@@ -337,7 +347,7 @@ impl<I: Fn(usize) -> usize, const N: usize, const ROWS: usize, const JET: usize>
                     }
                 }
             }
-            put(quads, task.surface, &h, &mut out[at]);
+            put(quads, task.surface, &h, &mut out[(task.index)(k)]);
         }
     }
 }
@@ -384,12 +394,11 @@ mod tests {
                 surface,
                 tables,
                 uv,
-                count: uv.len(),
                 index: |k| k,
                 out,
             }
         }
-        choose(s, tables, 2, &uv, (uv.len(), |k| k), wide);
+        choose(s, tables, 2, &uv, |k| k, wide);
         let net = Net::<_, 4, 3, 6> {
             task: task(s, tables, &uv, plain),
             net,

@@ -251,23 +251,48 @@ impl Separable {
         }
     }
 
-    /// The derivatives of `r - origin` up to `ROWS - 1` from those of the active functions, for a net: the operations of a
-    /// grid in the same order.
+    /// The derivatives up to `ROWS - 1` from those of the active functions, for a net: the operations of a grid in the
+    /// same order.
     #[inline(always)]
     fn net_jet<const ROWS: usize, const JET: usize>(
+        &self,
+        net: &[DVec4],
+        jets: [&[f64]; 2],
+        active: [Range<usize>; 2],
+        out: &mut [DVec3],
+    ) {
+        // With the numbers of functions known the compiler takes all loops apart.
+        match [active[0].len(), active[1].len()] {
+            [3, 3] => self.net_jet_of::<3, ROWS, JET>(net, jets, active, out),
+            [4, 4] => self.net_jet_of::<4, ROWS, JET>(net, jets, active, out),
+            _ => self.net_jet_of::<0, ROWS, JET>(net, jets, active, out),
+        }
+    }
+
+    /// The same for `N` active functions on each side, or any number if `N` is 0.
+    #[inline(always)]
+    fn net_jet_of<const N: usize, const ROWS: usize, const JET: usize>(
         &self,
         net: &[DVec4],
         [a, b]: [&[f64]; 2],
         [u, v]: [Range<usize>; 2],
         out: &mut [DVec3],
     ) {
-        let (na, nb, count) = (u.len(), v.len(), self.v.count());
-        let net = &net[u.start * count + v.start..];
+        let [na, nb] = if N == 0 { [u.len(), v.len()] } else { [N; 2] };
+        let count = self.v.count();
+        let net = &net[u.start * count + v.start..][..(na - 1) * count + nb];
+        let (a, b) = (&a[..ROWS * na], &b[..ROWS * nb]);
+        // If their number is known: no check of each index then.
+        let rows: [&[DVec4]; N] = std::array::from_fn(|i| &net[i * count..][..nb]);
         let mut h = [DVec4::ZERO; JET];
         for j in 0..nb {
             let mut k = [DVec4::ZERO; ROWS];
             for i in 0..na {
-                let c = net[i * count + j];
+                let c = if N == 0 {
+                    net[i * count + j]
+                } else {
+                    rows[i][j]
+                };
                 for p in 0..ROWS {
                     k[p] += c * a[p * na + i];
                 }
@@ -278,15 +303,14 @@ impl Separable {
                 }
             }
         }
+        let mut put = |mut r: [DVec3; JET]| {
+            r[0] += self.origin;
+            out.copy_from_slice(&r);
+        };
         if self.rational {
-            let r = quotient(&h.map(|h| h.to_array()));
-            for (o, r) in out.iter_mut().zip(r) {
-                *o = DVec3::from_array(r);
-            }
+            put(quotient(&h.map(|h| h.to_array())).map(DVec3::from_array));
         } else {
-            for (o, h) in out.iter_mut().zip(h) {
-                *o = h.xyz();
-            }
+            put(h.map(DVec4::xyz));
         }
     }
 
@@ -311,6 +335,7 @@ impl Separable {
         for (o, r) in out.iter_mut().zip(r) {
             *o = DVec3::from_array(*r);
         }
+        out[0] += self.origin;
     }
 
     /// Encloses the surface over the product of two parts.
@@ -429,13 +454,13 @@ impl Surface for Separable {
             self.u.active_jet(uv[0], limit[0], order, &mut a),
             self.v.active_jet(uv[1], limit[1], order, &mut b),
         ];
+        let jets = [&a[..], &b[..]];
         match (&self.core, order) {
-            (Core::Net(net), 0) => self.net_jet::<1, 1>(net, [&a, &b], active, out),
-            (Core::Net(net), 1) => self.net_jet::<2, 3>(net, [&a, &b], active, out),
-            (Core::Net(net), 2) => self.net_jet::<3, 6>(net, [&a, &b], active, out),
-            _ => self.any_jet([&a, &b], active, order, out),
+            (Core::Net(net), 0) => self.net_jet::<1, 1>(net, jets, active, out),
+            (Core::Net(net), 1) => self.net_jet::<2, 3>(net, jets, active, out),
+            (Core::Net(net), 2) => self.net_jet::<3, 6>(net, jets, active, out),
+            _ => self.any_jet(jets, active, order, out),
         }
-        out[0] += self.origin;
     }
 
     fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
