@@ -27,9 +27,11 @@ const BOUNDS: &str = "
   last-level cache, as 10⁶ points do in one of 32 MB, the sums cost more than the writing. The sides are evaluated n + m
   times by the exact path, which counts for small grids and for kinds made of curves.
 * **T2, normal**: the arithmetic: two tangents, a cross product, a square root and a division a point.
-* **T3, T3b, list, list1**: the arithmetic of one point after the other: finding the piece, the sides by powers about the
-  piece's middle, and the products with the net. Nets beyond the caches are walked through in their own order, a quarter
-  of a million points at a time; there the time goes into waiting for memory, for the net and for results out of order.
+* **T3, T3b, list, list1**: the arithmetic of one point after the other: finding the pieces, and Horner's scheme along u
+  and along v with the coefficients of that pair of pieces, from the second-level cache. Where all pairs would need more
+  than 8 MB, the sides by powers about the piece's middle and the products with the net or the core; nets beyond the
+  caches are walked through in their own order, a quarter of a million points at a time, and there the time goes into
+  waiting for memory, for the net and for results out of order.
 * **Sides that are no polynomials** (turns by angle, trigonometric blending, fillets, expressions) are taken by Taylor
   polynomials of degree 7 at most, where their remainder is proven to be below rounding and their own rounding, measured
   by what it does to the surface, is fine. Preparing them takes the first list of a surface up to some tens of

@@ -1,5 +1,6 @@
 //! B-spline basis functions; Bernstein polynomials are the case without inner knots.
 
+use super::table::nearest;
 use super::{Functions, Table, room};
 use crate::breaks::{Break, Breaks, Limit};
 use crate::exact::PiecewiseRational;
@@ -94,6 +95,8 @@ pub struct BSplineBasis {
     breaks: Vec<Break>,
     /// For each piece the index of the knot at its start.
     spans: Vec<usize>,
+    /// Pieces for each unit of the parameter.
+    rate: f64,
 }
 
 impl BSplineBasis {
@@ -153,11 +156,13 @@ impl BSplineBasis {
             }
             i = last + 1;
         }
+        let rate = spans.len() as f64 / breaks.domain().width();
         Ok(Self {
             degree,
             knots,
             breaks,
             spans,
+            rate,
         })
     }
 
@@ -172,6 +177,7 @@ impl BSplineBasis {
             knots,
             breaks,
             spans: vec![degree],
+            rate: 1.0,
         }
     }
 
@@ -204,65 +210,82 @@ impl BSplineBasis {
 
     /// The index of the knot at the start of the span that holds `t`.
     pub fn span(&self, t: f64, limit: Limit) -> usize {
-        self.spans[self.breaks.find(t, limit)]
+        let breaks = &self.breaks;
+        // With equal pieces the first guess is right.
+        let last = (self.spans.len() - 1) as f64;
+        let guess = nearest((t - breaks[0].at) * self.rate - 0.5, last);
+        let (lo, hi) = (breaks[guess].at, breaks[guess + 1].at);
+        let found = match limit {
+            Limit::Above => lo <= t && t < hi,
+            Limit::Below => lo < t && t <= hi,
+        };
+        self.spans[if found { guess } else { breaks.find(t, limit) }]
     }
 
     /// Values and derivatives of the active functions in a span, for values and enclosures alike.
     fn eval<S: Scalar>(&self, span: usize, t: S, order: usize, out: &mut [S]) {
-        // With the degree known the compiler takes all loops apart.
+        // With the degree known the compiler takes all loops apart and keeps everything in registers.
         match self.degree {
-            2 => self.eval_of(2, span, t, order, out),
-            3 => self.eval_of(3, span, t, order, out),
-            p => self.eval_of(p, span, t, order, out),
+            2 => self.eval_of(2, span, t, order, &mut [S::ONE; 3], out),
+            3 => self.eval_of(3, span, t, order, &mut [S::ONE; 6], out),
+            p => {
+                let (mut stack, mut heap) = ([S::ONE; 21], Vec::new());
+                let rows = room(&mut stack, &mut heap, p * (p + 1) / 2, S::ONE);
+                self.eval_of(p, span, t, order, rows, out);
+            }
         }
     }
 
+    /// The same; `rows` is room for `p (p+1)/2` numbers that are 1.
     #[inline(always)]
-    fn eval_of<S: Scalar>(&self, p: usize, span: usize, t: S, order: usize, out: &mut [S]) {
-        // The knots that the active functions touch, but for the outermost two: k(i) is the i-th knot.
-        let first = span + 1 - p;
-        let near = &self.knots[first..][..2 * p];
-        let k = |i: usize| S::from(near[i - first]);
-        // N_{span-q} … N_span of degree q, one row after the other: row q starts at q (q+1)/2.
+    fn eval_of<S: Scalar>(
+        &self,
+        p: usize,
+        span: usize,
+        t: S,
+        order: usize,
+        rows: &mut [S],
+        out: &mut [S],
+    ) {
+        // The knots that the active functions touch, but for the outermost two. The r-th function of degree q is positive
+        // from knot p - 1 - q + r of these to knot p + r.
+        let near = &self.knots[span + 1 - p..][..2 * p];
+        let support = |q: usize, r: usize| [near[p - 1 - q + r], near[p + r]].map(S::from);
+        // N_{span-q} … N_span of degree q < p, one row after the other: row q starts at q (q+1)/2.
         let row = |q: usize| q * (q + 1) / 2;
-        let (mut stack, mut heap) = ([S::ONE; 28], Vec::new());
-        let rows = room(&mut stack, &mut heap, row(p + 1), S::ONE);
-        for q in 1..=p {
-            let (below, this) = rows.split_at_mut(row(q));
-            let below = &below[row(q - 1)..];
+        for q in 0..p {
+            let (below, above) = rows.split_at_mut(row(q + 1));
+            let below = &below[row(q)..];
+            let above = if q + 1 < p { above } else { &mut *out };
+            // Each function is divided between two of the next degree, each share by its own quotient: one less the other
+            // would lose the digits of small shares, which large weights would show.
+            let mut rising = S::ZERO;
             for r in 0..=q {
-                let i = span + r - q;
-                let mut n = S::ZERO;
-                if r > 0 {
-                    n = (t - k(i)) / (k(i + q) - k(i)) * below[r - 1];
-                }
-                if r < q {
-                    n = n + (k(i + q + 1) - t) / (k(i + q + 1) - k(i + 1)) * below[r];
-                }
-                this[r] = n;
+                let [lo, hi] = support(q, r);
+                let width = hi - lo;
+                above[r] = rising + (hi - t) / width * below[r];
+                rising = (t - lo) / width * below[r];
             }
+            above[q + 1] = rising;
         }
-        for d in 0..=order {
+        for d in 1..=order {
             let o = &mut out[d * (p + 1)..][..p + 1];
             if d > p {
                 o.fill(S::ZERO);
                 continue;
             }
             // N'_{i,q} = q (N_{i,q-1}/(k_{i+q} - k_i) - N_{i+1,q-1}/(k_{i+q+1} - k_{i+1})), applied d times.
-            o[..=p - d].copy_from_slice(&rows[row(p - d)..row(p - d + 1)]);
-            for q in p - d + 1..=p {
-                let factor = S::from(q as f64);
-                for r in (0..=q).rev() {
-                    let i = span + r - q;
-                    let mut n = S::ZERO;
-                    if r > 0 {
-                        n = o[r - 1] * factor / (k(i + q) - k(i));
-                    }
-                    if r < q {
-                        n = n - o[r] * factor / (k(i + q + 1) - k(i + 1));
-                    }
-                    o[r] = n;
+            for q in p - d..p {
+                let factor = S::from((q + 1) as f64);
+                let mut rising = S::ZERO;
+                for r in 0..=q {
+                    let below = if q == p - d { rows[row(q) + r] } else { o[r] };
+                    let [lo, hi] = support(q, r);
+                    let slope = below * factor / (hi - lo);
+                    o[r] = rising - slope;
+                    rising = slope;
                 }
+                o[q + 1] = rising;
             }
         }
     }

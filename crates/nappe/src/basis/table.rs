@@ -128,10 +128,11 @@ impl Table {
         matches!(&self.parts[..], [Part::Powers(p)] if p.rational)
     }
 
-    /// The polynomial part, if it is the only one and without denominator.
-    pub(crate) fn powers(&self) -> Option<&Powers> {
+    /// The only part, if it is polynomial and without denominator, with the domain where it is good.
+    pub(crate) fn powers(&self) -> Option<(&Powers, Interval)> {
         match &self.parts[..] {
-            [Part::Powers(p)] if !p.rational => Some(p),
+            [Part::Powers(p)] if !p.rational => Some((p, Interval::ENTIRE)),
+            [Part::Taylor(p, domain, _)] => Some((p, *domain)),
             _ => None,
         }
     }
@@ -145,15 +146,12 @@ impl Table {
         t: f64,
         out: &mut [f64],
     ) -> (usize, usize) {
-        let whole = match &self.parts[..] {
-            [Part::Powers(p)] if !p.rational => Some(p),
-            [Part::Taylor(p, domain, _)] if domain.contains(t) => Some(p),
-            _ => None,
-        };
-        if let Some(p) = whole {
+        if let Some((p, domain)) = self.powers()
+            && domain.contains(t)
+        {
             let (piece, s) = p.locate(t);
             p.rows::<Q, ROWS>(q, piece, s, p.width, out);
-            return (p.first[piece], p.width);
+            return (p.first(piece), p.width);
         }
         let mut start = 0;
         for part in &self.parts {
@@ -191,19 +189,38 @@ fn exact<const ROWS: usize>(
     n
 }
 
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    /// The end; NaN for the last piece, which has none: parameters beyond the domain belong to the end pieces.
+    end: f64,
+    middle: f64,
+    /// `ds/dt`.
+    scale: f64,
+    /// The first active function.
+    first: usize,
+}
+
+/// The integer from 0 to `last` that is nearest; 0 for what is no number.
+#[inline(always)]
+pub(super) fn nearest(x: f64, last: f64) -> usize {
+    // 2⁵²: doubles from here on are integers, and so the sum has the nearest integer in its last bits.
+    const INTEGERS: f64 = 4503599627370496.0;
+    // These comparisons are single instructions; a conversion that saturates is ten.
+    let x = if x > 0.0 { x } else { 0.0 };
+    let x = if x < last { x } else { last };
+    (x + INTEGERS).to_bits() as u32 as usize
+}
+
 /// Polynomials over pieces: `f_i(t) = Σ_k c_ki s^k` with `s` from -1 to 1 over the piece.
 #[derive(Clone, Debug)]
 pub(crate) struct Powers {
-    /// The ends of the pieces, infinity for the last: parameters beyond the domain belong to the end pieces.
-    ends: Vec<f64>,
-    /// The piece to start looking from, for equal parts of the domain.
+    pieces: Vec<Piece>,
+    /// The piece to start looking from, for parts of the domain with middles at multiples of a step.
     buckets: Vec<u32>,
+    /// The index of the last bucket.
+    last: f64,
     lo: f64,
     per_bucket: f64,
-    /// The middle of each piece, and `ds/dt`.
-    local: Vec<[f64; 2]>,
-    /// The first active function of each piece.
-    pub(crate) first: Vec<usize>,
     pub(crate) degree: usize,
     /// The number of active functions.
     pub(crate) width: usize,
@@ -241,14 +258,22 @@ impl Powers {
         first: Vec<usize>,
         powers: impl Fn(usize, usize) -> Vec<f64>,
     ) -> Self {
-        let pieces = breaks.pieces();
-        let domain = breaks.domain();
+        let (count, domain) = (breaks.pieces(), breaks.domain());
         let padded = width.next_multiple_of(QUAD);
-        let mut coefficients = Vec::with_capacity(pieces * padded * (degree + 1));
-        let mut local = Vec::with_capacity(pieces);
-        for piece in 0..pieces {
+        let mut coefficients = Vec::with_capacity(count * padded * (degree + 1));
+        let mut pieces = Vec::with_capacity(count);
+        for (piece, &first) in first.iter().enumerate() {
             let range = breaks.piece(piece);
-            local.push([range.mid(), 2.0 / (range.hi - range.lo)]);
+            pieces.push(Piece {
+                end: if piece + 1 < count {
+                    range.hi
+                } else {
+                    f64::NAN
+                },
+                middle: range.mid(),
+                scale: 2.0 / (range.hi - range.lo),
+                first,
+            });
             let all: Vec<_> = (0..width).map(|f| powers(piece, f)).collect();
             for four in all.chunks(QUAD) {
                 for k in 0..=degree {
@@ -261,25 +286,19 @@ impl Powers {
             }
         }
         // Twice as many buckets as pieces: with equal pieces a step or none leads from the bucket to the piece.
-        let count = 2 * pieces;
-        let step = (domain.hi - domain.lo) / count as f64;
-        let buckets = (0..count).map(|i| {
+        let step = (domain.hi - domain.lo) / (2 * count) as f64;
+        let buckets = (0..=2 * count).map(|i| {
             // A little before the bucket's start, since a parameter may be rounded into the bucket.
-            let start = domain.lo + (i as f64 - 1e-3) * step;
+            let start = domain.lo + (i as f64 - 0.501) * step;
             breaks.find(start, Limit::Above) as u32
         });
         Self {
-            ends: breaks[1..pieces]
-                .iter()
-                .map(|b| b.at)
-                .chain([f64::INFINITY])
-                .collect(),
+            pieces,
             buckets: buckets.collect(),
+            last: (2 * count) as f64,
             lo: domain.lo,
             per_bucket: 1.0 / step,
-            local,
             total: first.last().map_or(0, |f| f + width),
-            first,
             degree,
             width,
             rational: false,
@@ -289,22 +308,40 @@ impl Powers {
 
     /// The number of pieces.
     pub(crate) fn pieces(&self) -> usize {
-        self.local.len()
+        self.pieces.len()
+    }
+
+    /// The coefficient of a power of s in an active function over a piece.
+    pub(crate) fn coefficient(&self, piece: usize, function: usize, power: usize) -> f64 {
+        let powers = self.degree + 1;
+        let quads = piece * self.width.div_ceil(QUAD) + function / QUAD;
+        self.coefficients[(quads * powers + power) * QUAD + function % QUAD]
+    }
+
+    /// `ds/dt` in a piece.
+    #[inline(always)]
+    pub(crate) fn scale(&self, piece: usize) -> f64 {
+        self.pieces[piece].scale
+    }
+
+    /// The first active function of a piece.
+    #[inline(always)]
+    pub(crate) fn first(&self, piece: usize) -> usize {
+        self.pieces[piece].first
     }
 
     /// The piece of a parameter and the parameter in it, from -1 to 1.
     #[inline(always)]
     pub(crate) fn locate(&self, t: f64) -> (usize, f64) {
-        // The conversion saturates, and takes NaN to 0.
-        let bucket = ((t - self.lo) * self.per_bucket) as usize;
-        let mut piece = self.buckets[bucket.min(self.buckets.len() - 1)] as usize;
+        let bucket = nearest((t - self.lo) * self.per_bucket, self.last);
+        let mut piece = self.buckets[bucket] as usize;
         // Without a branch, since nothing could predict it.
-        piece += usize::from(self.ends[piece] <= t);
-        if self.ends[piece] <= t && t < f64::INFINITY {
-            piece = self.ends.partition_point(|&b| b <= t);
+        piece += usize::from(self.pieces[piece].end <= t);
+        if self.pieces[piece].end <= t {
+            piece = self.pieces.partition_point(|p| p.end <= t);
         }
-        let [middle, scale] = self.local[piece];
-        (piece, (t - middle) * scale)
+        let p = &self.pieces[piece];
+        (piece, (t - p.middle) * p.scale)
     }
 
     /// The derivatives 0 to `ROWS - 1` of at most [`QUAD`] active functions.
@@ -317,7 +354,7 @@ impl Powers {
     ) -> [[f64; QUAD]; ROWS] {
         const { assert!(N <= QUAD) };
         let c = &self.coefficients[piece * N * QUAD..][..N * QUAD];
-        horner(q, c.as_chunks().0, s, self.local[piece][1])
+        horner(q, c.as_chunks().0, s, self.pieces[piece].scale)
     }
 
     /// Writes derivatives 0 to `ROWS - 1`, each `stride` after the last.
@@ -336,7 +373,7 @@ impl Powers {
         // Four functions at a time; all their coefficients stand together.
         let fours = c.as_chunks().0.chunks_exact(powers);
         for (start, c) in (0..self.width).step_by(QUAD).zip(fours) {
-            let d: [_; ROWS] = horner(q, c, s, self.local[piece][1]);
+            let d: [_; ROWS] = horner(q, c, s, self.pieces[piece].scale);
             for (k, d) in d.iter().enumerate() {
                 let n = (self.width - start).min(QUAD);
                 let o = &mut out[k * stride + start..][..n];
@@ -364,7 +401,7 @@ impl Powers {
                     out[k * count + start..][..self.total].fill(0.0);
                 }
             }
-            let at = start + self.first[piece];
+            let at = start + self.first(piece);
             self.rows::<Q, ROWS>(q, piece, s, count, &mut out[at..]);
             return self.total;
         }

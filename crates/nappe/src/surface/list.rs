@@ -1,9 +1,11 @@
 //! Lists of points of separable surfaces: the sides as powers about the middle of their piece, then few products a
 //! point.
 
-use super::quotient::quotient;
+use super::effect::effects;
+use super::spans::Spans;
 use super::{Core, Separable, jet_index, jet_len};
 use crate::basis::{Powers, Table};
+use crate::interval::Interval;
 use crate::simd::{QuadKernel, Quads, with_quads};
 use glam::{DVec3, DVec4};
 
@@ -15,63 +17,97 @@ const SORTED: usize = 1 << 18;
 /// Pieces in one direction of a tile: the net's part that points of one tile use fits the first-level cache.
 const TILE: usize = 16;
 
+/// A surface prepared for lists.
+#[derive(Debug)]
+pub(super) struct Prepared {
+    tables: [Table; 2],
+    spans: Option<Spans>,
+}
+
+impl Prepared {
+    pub(super) fn new(surface: &Separable) -> Self {
+        let effects = effects(surface);
+        let [u, v] = effects.of;
+        let tables = [
+            Table::new(surface.functions_u(), &u),
+            Table::new(surface.functions_v(), &v),
+        ];
+        let spans = Spans::new(&tables, effects.size);
+        Self { tables, spans }
+    }
+
+    #[cfg(test)]
+    pub(super) fn parts(&self) -> (&[Table; 2], Option<&Spans>) {
+        (&self.tables, self.spans.as_ref())
+    }
+}
+
 /// Writes the derivatives up to `order` (at most 2) of every point of a list, point by point.
 pub(super) fn jets(
     surface: &Separable,
-    tables: &[Table; 2],
+    prepared: &Prepared,
     uv: &[[f64; 2]],
     order: usize,
     out: &mut [DVec3],
 ) {
+    let tables = &prepared.tables;
+    if let Some(spans) = &prepared.spans {
+        return spans.jets(surface, tables, uv, order, out);
+    }
     let each = jet_len(order);
-    if let Core::Net(net) = surface.core()
+    if let (Core::Net(net), Some(sides)) = (surface.core(), splines(tables))
         && net.len() > LARGE_NET
-        && let [Some(u), Some(v)] = [0, 1].map(|k| tables[k].powers())
     {
+        let mut sorted = Sorted::default();
         for (uv, out) in uv.chunks(SORTED).zip(out.chunks_mut(SORTED * each)) {
-            let sorted = by_tile([u, v], uv);
-            choose(
-                surface,
-                tables,
-                order,
-                uv,
-                #[inline(always)]
-                |k| sorted[k] as usize,
-                out,
-            );
+            sorted.by_tile(sides, uv);
+            let at = |k: usize| sorted.index[k] as usize;
+            choose(surface, tables, order, &sorted.uv, at, out);
         }
     } else {
-        choose(
-            surface,
-            tables,
-            order,
-            uv,
-            #[inline(always)]
-            |k| k,
-            out,
-        );
+        choose(surface, tables, order, uv, |k| k, out);
     }
 }
 
-/// The indices of a list in the order of the tiles of the net that the points lie in.
-fn by_tile([u, v]: [&Powers; 2], uv: &[[f64; 2]]) -> Vec<u32> {
-    let columns = v.pieces().div_ceil(TILE);
-    let tiles = u.pieces().div_ceil(TILE) * columns;
-    let tile = |&[a, b]: &[f64; 2]| u.locate(a).0 / TILE * columns + v.locate(b).0 / TILE;
-    let keys: Vec<u32> = uv.iter().map(|uv| tile(uv) as u32).collect();
-    let mut next = vec![0u32; tiles + 1];
-    for &k in &keys {
-        next[k as usize + 1] += 1;
+/// Both sides, if they are splines (or other polynomials over all parameters).
+fn splines(tables: &[Table; 2]) -> Option<[&Powers; 2]> {
+    let [(u, of_u), (v, of_v)] = [tables[0].powers()?, tables[1].powers()?];
+    (of_u == Interval::ENTIRE && of_v == Interval::ENTIRE).then_some([u, v])
+}
+
+/// Points in the order of the tiles of the net that they lie in.
+#[derive(Default)]
+struct Sorted {
+    /// Where each stands in the list.
+    index: Vec<u32>,
+    uv: Vec<[f64; 2]>,
+    tiles: Vec<u32>,
+}
+
+impl Sorted {
+    /// Sorts a list.
+    fn by_tile(&mut self, [u, v]: [&Powers; 2], uv: &[[f64; 2]]) {
+        let columns = v.pieces().div_ceil(TILE);
+        let mut next = vec![0u32; u.pieces().div_ceil(TILE) * columns + 1];
+        let tile = |&[a, b]: &[f64; 2]| u.locate(a).0 / TILE * columns + v.locate(b).0 / TILE;
+        self.tiles.clear();
+        self.tiles.extend(uv.iter().map(|uv| tile(uv) as u32));
+        for &k in &self.tiles {
+            next[k as usize + 1] += 1;
+        }
+        for k in 1..next.len() {
+            next[k] += next[k - 1];
+        }
+        self.index.resize(uv.len(), 0);
+        self.uv.resize(uv.len(), [0.0; 2]);
+        for (i, (&uv, &k)) in uv.iter().zip(&self.tiles).enumerate() {
+            let at = &mut next[k as usize];
+            self.index[*at as usize] = i as u32;
+            // Parameters move along: picked out one by one they would come from everywhere.
+            self.uv[*at as usize] = uv;
+            *at += 1;
+        }
     }
-    for k in 0..tiles {
-        next[k + 1] += next[k];
-    }
-    let mut sorted = vec![0u32; uv.len()];
-    for (i, &k) in keys.iter().enumerate() {
-        sorted[next[k as usize] as usize] = i as u32;
-        next[k as usize] += 1;
-    }
-    sorted
 }
 
 /// Takes the kernel that fits: nets of equal low degree have their own.
@@ -97,7 +133,7 @@ fn choose(
     }
 }
 
-/// A list to evaluate: `index(k)` is the k-th point to take.
+/// A list to evaluate: the k-th point is written to place `index(k)`.
 struct Task<'a, I> {
     surface: &'a Separable,
     tables: &'a [Table; 2],
@@ -108,11 +144,10 @@ struct Task<'a, I> {
 
 impl<'a, I: Fn(usize) -> usize> Task<'a, I> {
     fn choose<const ROWS: usize, const JET: usize>(self) {
-        let powers = [0, 1].map(|k| self.tables[k].powers());
-        if let (Core::Net(net), [Some(u), Some(v)]) = (self.surface.core(), powers)
+        if let (Core::Net(net), Some(sides)) = (self.surface.core(), splines(self.tables))
+            && let [u, v] = sides
             && [u.degree + 1, u.width, v.degree + 1] == [v.width; 3]
         {
-            let sides = [u, v];
             match v.width {
                 2 => {
                     return with_quads(Net::<_, 2, ROWS, JET> {
@@ -157,12 +192,12 @@ impl<I: Fn(usize) -> usize, const ROWS: usize, const JET: usize> QuadKernel
             index,
             out,
         } = self.0;
+        let out = out.as_chunks_mut().0;
         let (nu, nv) = (surface.functions_u().count(), surface.functions_v().count());
         let mut a = vec![0.0; ROWS * nu];
         let mut b = vec![0.0; ROWS * nv];
         for k in 0..uv.len() {
-            let at = index(k);
-            let [u, v] = uv[at];
+            let [u, v] = uv[k];
             let (first_u, wide_u) = tables[0].eval::<Q, ROWS>(q, u, &mut a);
             let (first_v, wide_v) = tables[1].eval::<Q, ROWS>(q, v, &mut b);
             let factors = Factors {
@@ -190,7 +225,7 @@ impl<I: Fn(usize) -> usize, const ROWS: usize, const JET: usize> QuadKernel
                     }
                 }
             }
-            put(q, surface, &h, out, at);
+            put(q, surface, &h, &mut out[index(k)]);
         }
     }
 }
@@ -226,32 +261,51 @@ impl Factors<'_> {
 
 /// Divides if need be and writes one point of a list.
 #[inline(always)]
-fn put<Q: Quads, const JET: usize>(
-    q: Q,
+pub(super) fn put<Q: Quads, const JET: usize>(
+    quads: Q,
     surface: &Separable,
     h: &[Q::Quad; JET],
-    out: &mut [DVec3],
-    at: usize,
+    out: &mut [DVec3; JET],
 ) {
-    let Some(out) = out.as_chunks_mut::<JET>().0.get_mut(at) else {
-        return;
-    };
-    let mut numbers = [[0.0; 4]; JET];
-    for k in 0..JET {
-        numbers[k] = q.store(h[k]);
-    }
-    if surface.is_rational() {
-        let r = quotient(&numbers);
-        for k in 0..JET {
-            out[k] = DVec3::from_array(r[k]);
-        }
+    let r = if surface.is_rational() {
+        quotient(quads, h)
     } else {
-        for k in 0..JET {
-            let [x, y, z, _] = numbers[k];
-            out[k] = DVec3::new(x, y, z);
-        }
+        *h
+    };
+    let [x, y, z] = surface.origin().to_array();
+    let origin = quads.load([x, y, z, 0.0]);
+    for k in 0..JET {
+        let r = if k == 0 {
+            quads.add(r[0], origin)
+        } else {
+            r[k]
+        };
+        let [x, y, z, _] = quads.store(r);
+        out[k] = DVec3::new(x, y, z);
     }
-    out[0] += surface.origin();
+}
+
+/// The derivatives of `R.xyz / R.w` from those of R, for jets of order 0, 1 and 2, one register a vector: a division
+/// for all.
+#[inline(always)]
+fn quotient<Q: Quads, const JET: usize>(quads: Q, h: &[Q::Quad; JET]) -> [Q::Quad; JET] {
+    let w = h.map(|h| quads.store(h)[3]);
+    let inverse = quads.splat(1.0 / w[0]);
+    let minus = |h, r, w| quads.sub(h, quads.mul(r, quads.splat(w)));
+    let over = |h| quads.mul(h, inverse);
+    let mut r = *h;
+    r[0] = over(h[0]);
+    if JET >= 3 {
+        r[1] = over(minus(h[1], r[0], w[1]));
+        r[2] = over(minus(h[2], r[0], w[2]));
+    }
+    if JET >= 6 {
+        let [wu, wv] = [w[1], w[2]];
+        r[3] = over(minus(minus(h[3], r[0], w[3]), r[1], wu + wu));
+        r[4] = over(minus(minus(minus(h[4], r[0], w[4]), r[2], wu), r[1], wv));
+        r[5] = over(minus(minus(h[5], r[0], w[5]), r[2], wv + wv));
+    }
+    r
 }
 
 /// A net with spline sides of `N` active functions of degree `N - 1`; `ROWS - 1` is the order of derivatives.
@@ -267,15 +321,15 @@ impl<I: Fn(usize) -> usize, const N: usize, const ROWS: usize, const JET: usize>
     #[inline(always)]
     fn run<Q: Quads>(self, quads: Q) {
         let ([u, v], task) = (self.sides, self.task);
+        let out = task.out.as_chunks_mut().0;
         let columns = task.surface.functions_v().count();
         for k in 0..task.uv.len() {
-            let at = (task.index)(k);
-            let [x, y] = task.uv[at];
+            let [x, y] = task.uv[k];
             let (pu, s) = u.locate(x);
             let (pv, t) = v.locate(y);
             let a = u.four::<Q, N, ROWS>(quads, pu, s);
             let b = v.four::<Q, N, ROWS>(quads, pv, t);
-            let start = u.first[pu] * columns + v.first[pv];
+            let start = u.first(pu) * columns + v.first(pv);
             let net = &self.net[start..][..(N - 1) * columns + N];
             let mut h = [quads.splat(0.0); JET];
             for j in 0..N {
@@ -293,7 +347,7 @@ impl<I: Fn(usize) -> usize, const N: usize, const ROWS: usize, const JET: usize>
                     }
                 }
             }
-            put(quads, task.surface, &h, task.out, at);
+            put(quads, task.surface, &h, &mut out[(task.index)(k)]);
         }
     }
 }
@@ -320,15 +374,14 @@ mod tests {
     fn the_widest_and_the_plain_path_give_the_same_bits() {
         let surface = example(9);
         let s = surface.separable();
-        let tables = s.tables();
+        let prepared = s.prepared();
+        let tables = &prepared.tables;
         let mut random = Random(8);
         let uv: Vec<[f64; 2]> = (0..99).map(|_| [random.unit(), random.unit()]).collect();
         let Core::Net(net) = s.core() else {
             panic!("a spline has a net")
         };
-        let [Some(u), Some(v)] = [0, 1].map(|k| tables[k].powers()) else {
-            panic!("cubics are taken by powers")
-        };
+        let sides = splines(tables).expect("cubics are taken by powers");
         let mut out = [(); 4].map(|()| vec![DVec3::ZERO; 6 * uv.len()]);
         let [wide, plain, any, any_plain] = &mut out;
         fn task<'a>(
@@ -345,11 +398,11 @@ mod tests {
                 out,
             }
         }
-        jets(s, tables, &uv, 2, wide);
+        choose(s, tables, 2, &uv, |k| k, wide);
         let net = Net::<_, 4, 3, 6> {
             task: task(s, tables, &uv, plain),
             net,
-            sides: [u, v],
+            sides,
         };
         net.run(Plain);
         with_quads(Any::<_, 3, 6>(task(s, tables, &uv, any)));

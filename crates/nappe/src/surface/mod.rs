@@ -86,6 +86,7 @@ mod ruled;
 mod sectors;
 mod separable;
 mod sides;
+mod spans;
 mod torus;
 mod transformed;
 mod turned;
@@ -215,7 +216,9 @@ pub trait Surface: Debug + Send + Sync {
     /// Positions agree with [`Surface::jet`] within 4 units in the last place of the surface's size, derivatives
     /// likewise relative to that size over the width of a piece. Each depends on its own
     /// parameters alone, not on the rest of the list. The first list of a surface prepares its sides, which costs some
-    /// microseconds, and up to some tenths of a second where they are no polynomials. Panics if `out` has another length.
+    /// microseconds, and up to some tenths of a second where they are no polynomials; pieces are prepared when the first
+    /// point falls there. A surface keeps some hundred kilobytes for that, at most some tens of
+    /// megabytes. Panics if `out` has another length.
     fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
         let each = jet_len(order);
         check_length(uv.len() * each, out.len());

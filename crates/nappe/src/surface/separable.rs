@@ -3,10 +3,10 @@
 //! Every surface of the five sources is of this form. A kind states its two lists of functions and the constant core
 //! `C`; derivatives, enclosures, grids and the exact conversion to NURBS are here, once.
 
-use super::effect::effects;
+use super::list::Prepared;
 use super::quotient::quotient;
 use super::{Dir, Surface, check_length, grid, jet_index, jet_len, list, pairs};
-use crate::basis::{FunctionsRef, TABLE_ORDER, Table, room};
+use crate::basis::{FunctionsRef, TABLE_ORDER, room};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit, Part};
 use crate::exact::NurbsSurface;
@@ -53,8 +53,8 @@ pub struct Separable {
     core: Core,
     origin: DVec3,
     rational: bool,
-    /// Both sides prepared for lists, when the first list comes.
-    tables: Arc<OnceLock<[Table; 2]>>,
+    /// What lists need, prepared when the first list comes.
+    prepared: Arc<OnceLock<Prepared>>,
 }
 
 impl Separable {
@@ -98,15 +98,12 @@ impl Separable {
             core,
             origin,
             rational,
-            tables: Arc::default(),
+            prepared: Arc::default(),
         }
     }
 
-    pub(super) fn tables(&self) -> &[Table; 2] {
-        self.tables.get_or_init(|| {
-            let [u, v] = effects(self);
-            [Table::new(&self.u, &u), Table::new(&self.v, &v)]
-        })
+    pub(super) fn prepared(&self) -> &Prepared {
+        self.prepared.get_or_init(|| Prepared::new(self))
     }
 
     /// The functions of u.
@@ -144,6 +141,7 @@ impl Separable {
         Self {
             core,
             origin: map.transform_point3(self.origin),
+            prepared: Arc::default(),
             ..self.clone()
         }
     }
@@ -253,23 +251,48 @@ impl Separable {
         }
     }
 
-    /// The derivatives of `r - origin` up to `ROWS - 1` from those of the active functions, for a net: the operations of a
-    /// grid in the same order.
+    /// The derivatives up to `ROWS - 1` from those of the active functions, for a net: the operations of a grid in the
+    /// same order.
     #[inline(always)]
     fn net_jet<const ROWS: usize, const JET: usize>(
+        &self,
+        net: &[DVec4],
+        jets: [&[f64]; 2],
+        active: [Range<usize>; 2],
+        out: &mut [DVec3],
+    ) {
+        // With the numbers of functions known the compiler takes all loops apart.
+        match [active[0].len(), active[1].len()] {
+            [3, 3] => self.net_jet_of::<3, ROWS, JET>(net, jets, active, out),
+            [4, 4] => self.net_jet_of::<4, ROWS, JET>(net, jets, active, out),
+            _ => self.net_jet_of::<0, ROWS, JET>(net, jets, active, out),
+        }
+    }
+
+    /// The same for `N` active functions on each side, or any number if `N` is 0.
+    #[inline(always)]
+    fn net_jet_of<const N: usize, const ROWS: usize, const JET: usize>(
         &self,
         net: &[DVec4],
         [a, b]: [&[f64]; 2],
         [u, v]: [Range<usize>; 2],
         out: &mut [DVec3],
     ) {
-        let (na, nb, count) = (u.len(), v.len(), self.v.count());
-        let net = &net[u.start * count + v.start..];
+        let [na, nb] = if N == 0 { [u.len(), v.len()] } else { [N; 2] };
+        let count = self.v.count();
+        let net = &net[u.start * count + v.start..][..(na - 1) * count + nb];
+        let (a, b) = (&a[..ROWS * na], &b[..ROWS * nb]);
+        // If their number is known: no check of each index then.
+        let rows: [&[DVec4]; N] = std::array::from_fn(|i| &net[i * count..][..nb]);
         let mut h = [DVec4::ZERO; JET];
         for j in 0..nb {
             let mut k = [DVec4::ZERO; ROWS];
             for i in 0..na {
-                let c = net[i * count + j];
+                let c = if N == 0 {
+                    net[i * count + j]
+                } else {
+                    rows[i][j]
+                };
                 for p in 0..ROWS {
                     k[p] += c * a[p * na + i];
                 }
@@ -280,15 +303,14 @@ impl Separable {
                 }
             }
         }
+        let mut put = |mut r: [DVec3; JET]| {
+            r[0] += self.origin;
+            out.copy_from_slice(&r);
+        };
         if self.rational {
-            let r = quotient(&h.map(|h| h.to_array()));
-            for (o, r) in out.iter_mut().zip(r) {
-                *o = DVec3::from_array(r);
-            }
+            put(quotient(&h.map(|h| h.to_array())).map(DVec3::from_array));
         } else {
-            for (o, h) in out.iter_mut().zip(h) {
-                *o = h.xyz();
-            }
+            put(h.map(DVec4::xyz));
         }
     }
 
@@ -313,6 +335,7 @@ impl Separable {
         for (o, r) in out.iter_mut().zip(r) {
             *o = DVec3::from_array(*r);
         }
+        out[0] += self.origin;
     }
 
     /// Encloses the surface over the product of two parts.
@@ -431,19 +454,19 @@ impl Surface for Separable {
             self.u.active_jet(uv[0], limit[0], order, &mut a),
             self.v.active_jet(uv[1], limit[1], order, &mut b),
         ];
+        let jets = [&a[..], &b[..]];
         match (&self.core, order) {
-            (Core::Net(net), 0) => self.net_jet::<1, 1>(net, [&a, &b], active, out),
-            (Core::Net(net), 1) => self.net_jet::<2, 3>(net, [&a, &b], active, out),
-            (Core::Net(net), 2) => self.net_jet::<3, 6>(net, [&a, &b], active, out),
-            _ => self.any_jet([&a, &b], active, order, out),
+            (Core::Net(net), 0) => self.net_jet::<1, 1>(net, jets, active, out),
+            (Core::Net(net), 1) => self.net_jet::<2, 3>(net, jets, active, out),
+            (Core::Net(net), 2) => self.net_jet::<3, 6>(net, jets, active, out),
+            _ => self.any_jet(jets, active, order, out),
         }
-        out[0] += self.origin;
     }
 
     fn jets(&self, uv: &[[f64; 2]], order: usize, out: &mut [DVec3]) {
         check_length(uv.len() * jet_len(order), out.len());
         if order <= TABLE_ORDER {
-            list::jets(self, self.tables(), uv, order, out);
+            list::jets(self, self.prepared(), uv, order, out);
             return;
         }
         for (out, &uv) in out.chunks_exact_mut(jet_len(order)).zip(uv) {
