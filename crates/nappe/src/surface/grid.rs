@@ -22,20 +22,15 @@ const COLUMNS: usize = 2048;
 
 /// Neighbouring columns with the same active functions of v.
 struct Piece {
-    active: Range<usize>,
-    blocks: Vec<Block>,
-    /// For each coordinate the active functions that it depends on: most functions of a Coons surface move one
-    /// coordinate. Only for sparse cores.
-    used: [Vec<usize>; 4],
-}
-
-/// Columns that are evaluated together, one a lane.
-struct Block {
     columns: Range<usize>,
-    /// Where their functions start: for each derivative and each active function one register.
+    active: Range<usize>,
+    /// Where their functions start. A block of columns, one a lane, has for each derivative and each active function one
+    /// register.
     at: usize,
     /// All functions are [`far_from_limits`].
     moderate: bool,
+    /// For each coordinate the active functions that it depends on, see [`used`].
+    used: Vec<[usize; 4]>,
 }
 
 /// The functions of v at some columns.
@@ -52,51 +47,59 @@ impl Columns {
             .map(|&v| functions.active(v, Limit::Above))
             .collect();
         let (mut pieces, mut values) = (Vec::new(), Vec::new());
-        let mut buffer: Vec<f64> = Vec::new();
+        let (mut one, mut all) = (Vec::new(), Vec::new());
         let mut start = 0;
         for same in active.chunk_by(|a, b| a == b) {
-            let (range, columns) = (&same[0], start..start + same.len());
-            buffer.resize((order + 1) * range.len(), 0.0);
-            let mut of_columns = Vec::with_capacity(same.len() * buffer.len());
-            for &v in &v[columns.clone()] {
-                functions.jet_into(v, Limit::Above, order, &mut buffer);
-                of_columns.extend_from_slice(&buffer);
+            let (active, count) = (same[0].clone(), same.len());
+            one.resize((order + 1) * active.len(), 0.0);
+            all.clear();
+            for &v in &v[start..][..count] {
+                functions.jet_into(v, Limit::Above, order, &mut one);
+                all.extend_from_slice(&one);
             }
-            let blocks = columns.clone().step_by(lanes).map(|first| {
-                // The last block is full too where it can be: some columns are then evaluated twice.
-                let first = first.min(columns.end.saturating_sub(lanes)).max(start);
-                let at = values.len();
-                for k in 0..buffer.len() {
-                    values.extend((first..first + lanes).map(|column| {
-                        // Lanes without a column repeat the last one.
-                        let column = column.min(columns.end - 1) - start;
-                        of_columns[column * buffer.len() + k]
-                    }));
+            let at = values.len();
+            for block in (0..count).step_by(lanes) {
+                let first = first_of_block(block, count, lanes);
+                for k in 0..one.len() {
+                    // Lanes without a column repeat the last one.
+                    let columns = (first..first + lanes).map(|c| c.min(count - 1));
+                    values.extend(columns.map(|c| all[c * one.len() + k]));
                 }
-                Block {
-                    columns: first..columns.end.min(first + lanes),
-                    at,
-                    moderate: values[at..].iter().all(|&x| far_from_limits(x)),
-                }
-            });
+            }
             pieces.push(Piece {
-                blocks: blocks.collect(),
-
-                active: range.clone(),
-                used: used(surface, range),
+                columns: start..start + count,
+                at,
+                moderate: all.iter().all(|&x| far_from_limits(x)),
+                used: used(surface, &active),
+                active,
             });
-            start = columns.end;
+            start += count;
         }
         Self { pieces, values }
     }
+
+    /// The functions of a piece.
+    fn of(&self, piece: usize) -> &[f64] {
+        let end = self.pieces.get(piece + 1).map(|next| next.at);
+        &self.values[self.pieces[piece].at..end.unwrap_or(self.values.len())]
+    }
 }
 
-/// The functions of v that each coordinate depends on, counted from the first active one; none if the core is a net.
-fn used(surface: &Separable, active: &Range<usize>) -> [Vec<usize>; 4] {
+/// The first column of the block that would start at `block`. The last one is full too where it can be: some columns are
+/// then evaluated twice.
+#[inline(always)]
+fn first_of_block(block: usize, columns: usize, lanes: usize) -> usize {
+    block.min(columns.saturating_sub(lanes))
+}
+
+/// The functions of v that each coordinate depends on, counted from the first active one, side by side: most functions of
+/// a Coons surface move one coordinate. A coordinate with fewer has more of the first one; [`gather`] gives them the
+/// factor zero. Empty if the core is a net.
+fn used(surface: &Separable, active: &Range<usize>) -> Vec<[usize; 4]> {
     let Core::Terms(terms) = surface.core() else {
-        return Default::default();
+        return Vec::new();
     };
-    std::array::from_fn(|c| {
+    let lists: [Vec<usize>; 4] = std::array::from_fn(|c| {
         let terms = terms.iter().filter(|t| t.c[c] != 0.0);
         let mut js: Vec<usize> = terms
             .filter(|t| active.contains(&t.j))
@@ -105,7 +108,27 @@ fn used(surface: &Separable, active: &Range<usize>) -> [Vec<usize>; 4] {
         js.sort_unstable();
         js.dedup();
         js
-    })
+    });
+    let dimensions = if surface.is_rational() { 4 } else { 3 };
+    let longest = lists[..dimensions].iter().map(Vec::len).max();
+    (0..longest.unwrap_or(0))
+        .map(|slot| std::array::from_fn(|c| lists[c].get(slot).copied().unwrap_or(0)))
+        .collect()
+}
+
+/// The vectors of a row of the active functions, coordinate by coordinate for those that are used.
+#[inline(always)]
+fn gather(k: &[[f64; 4]], used: &[[usize; 4]], out: &mut Vec<[f64; 4]>) {
+    for (slot, js) in used.iter().enumerate() {
+        out.push(std::array::from_fn(|c| {
+            // In each coordinate the lists rise; what does not is filling.
+            if slot > 0 && js[c] == 0 {
+                0.0
+            } else {
+                k[js[c]][c]
+            }
+        }));
+    }
 }
 
 /// A grid to evaluate.
@@ -116,96 +139,94 @@ struct Grid<'a, T> {
     out: &'a mut [T],
 }
 
-/// Evaluates a grid with derivatives up to `ORDER` and hands on a register of points at a time: the row, the columns
-/// and the derivatives (without the surface's origin).
+/// What is made of the derivatives of a point.
+trait Output<R: Registers, const JET: usize> {
+    /// How many numbers a point takes.
+    const EACH: usize;
+    /// Writes a register of points of a row from the first one's column and their derivatives without the surface's
+    /// origin. Lanes behind the last column of a piece may hold anything.
+    fn put(&self, row: usize, column: usize, x: &[[Lanes<R>; 3]; JET], out: &mut [f64]);
+}
+
+/// Evaluates a grid with derivatives up to `ORDER`, a register of points at a time.
 #[inline(always)]
-fn evaluate<R: Registers, const ORDER: usize, const JET: usize>(
+fn evaluate<R: Registers, O: Output<R, JET>, const ORDER: usize, const JET: usize>(
     r: R,
     surface: &Separable,
-    [u, v]: [&[f64]; 2],
-    put: impl FnMut(usize, Range<usize>, &[[Lanes<R>; 3]; JET]),
+    uv: [&[f64]; 2],
+    out: &mut [f64],
+    output: &O,
 ) {
     match (surface.core(), surface.is_rational()) {
-        (Core::Net(net), false) => rows::<R, 3, ORDER, JET>(r, surface, Some(net), [u, v], put),
-        (Core::Net(net), true) => rows::<R, 4, ORDER, JET>(r, surface, Some(net), [u, v], put),
-        (Core::Terms(_), false) => rows::<R, 3, ORDER, JET>(r, surface, None, [u, v], put),
-        (Core::Terms(_), true) => rows::<R, 4, ORDER, JET>(r, surface, None, [u, v], put),
+        (Core::Net(net), false) => {
+            rows::<R, O, 3, ORDER, JET>(r, surface, Some(net), uv, out, output);
+        }
+        (Core::Net(net), true) => {
+            rows::<R, O, 4, ORDER, JET>(r, surface, Some(net), uv, out, output);
+        }
+        (Core::Terms(_), false) => rows::<R, O, 3, ORDER, JET>(r, surface, None, uv, out, output),
+        (Core::Terms(_), true) => rows::<R, O, 4, ORDER, JET>(r, surface, None, uv, out, output),
     }
 }
 
 /// The same in `D` homogeneous coordinates, for a net or a sparse core.
 #[inline(always)]
-fn rows<R: Registers, const D: usize, const ORDER: usize, const JET: usize>(
+fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, const JET: usize>(
     r: R,
     surface: &Separable,
     net: Option<&[DVec4]>,
     [u, v]: [&[f64]; 2],
-    mut put: impl FnMut(usize, Range<usize>, &[[Lanes<R>; 3]; JET]),
+    out: &mut [f64],
+    output: &O,
 ) {
     let (side, count) = (surface.functions_u(), surface.functions_v().count());
-    let zero = Lanes::splat(r, 0.0);
-    let mut k = vec![[0.0; 4]; (ORDER + 1) * count];
-    let mut factors = [const { Vec::new() }; 4];
+    let mut all = vec![[0.0; 4]; (ORDER + 1) * count];
+    let mut k = Vec::new();
     let mut a: SmallVec<[f64; 32]> = SmallVec::new();
-    for (tile, v) in v.chunks(COLUMNS).enumerate() {
-        let columns = Columns::new(surface, v, ORDER, R::LANES);
+    let mut spare = vec![0.0; O::EACH * R::LANES];
+    for (tile, columns) in v.chunks(COLUMNS).enumerate() {
+        let columns = Columns::new(surface, columns, ORDER, R::LANES);
         for (row, &u) in u.iter().enumerate() {
             let active = side.active_jet(u, Limit::Above, ORDER, &mut a);
             match net {
-                Some(net) => collapse_net(&a, &net[active.start * count..], count, &mut k),
-                None => surface.collapse(&a, [active, 0..count], None, false, &mut k),
+                Some(net) => collapse_net(&a, &net[active.start * count..], count, &mut all),
+                None => surface.collapse(&a, [active, 0..count], None, false, &mut all),
             }
-            let moderate =
-                D == 4 && ORDER < 2 && k.as_flattened().iter().all(|&x| far_from_limits(x));
-            for piece in &columns.pieces {
-                let n = piece.active.len();
-                if net.is_none() {
-                    for c in 0..D {
-                        factors[c].clear();
-                        for k in k.chunks_exact(count) {
-                            let k = &k[piece.active.clone()];
-                            factors[c].extend(piece.used[c].iter().map(|&j| k[j][c]));
-                        }
+            let quick =
+                D == 4 && ORDER < 2 && all.as_flattened().iter().all(|&x| far_from_limits(x));
+            for (index, piece) in columns.pieces.iter().enumerate() {
+                k.clear();
+                for all in all.chunks_exact(count) {
+                    let all = &all[piece.active.clone()];
+                    if net.is_some() {
+                        k.extend_from_slice(all);
+                    } else {
+                        gather(all, &piece.used, &mut k);
                     }
                 }
-                for b in &piece.blocks {
-                    let f = &columns.values[b.at..][..(ORDER + 1) * n * R::LANES];
-                    let f = R::arrays(f);
-                    let mut h = [[zero; 4]; JET];
-                    for p in 0..=ORDER {
-                        for q in 0..=ORDER - p {
-                            let f = &f[q * n..][..n];
-                            let h = &mut h[jet_index(p, q)];
-                            if net.is_some() {
-                                let k = &k[p * count..][piece.active.clone()];
-                                dense::<R, D>(r, f, k, h);
-                            } else {
-                                for c in 0..D {
-                                    let used = &piece.used[c];
-                                    let factors = &factors[c][p * used.len()..][..used.len()];
-                                    h[c] = sparse(r, f, factors, used);
-                                }
-                            }
-                        }
+                let (first, width) = (tile * COLUMNS + piece.columns.start, piece.columns.len());
+                let out = &mut out[O::EACH * (row * v.len() + first)..][..O::EACH * width];
+                let short = width < R::LANES;
+                let places = if short { &mut spare } else { &mut *out };
+                let strip = Strip {
+                    r,
+                    row,
+                    columns: first..first + width,
+                    active: piece.active.len(),
+                    functions: R::arrays(columns.of(index)),
+                    k: &k,
+                    quick: quick && piece.moderate,
+                };
+                match (net, JET, strip.active) {
+                    (None, ..) => {
+                        strip.sparse::<D, ORDER, JET>(&piece.used, places, output);
                     }
-                    let mut x = [[zero; 3]; JET];
-                    if D == 3 {
-                        for k in 0..JET {
-                            x[k] = [h[k][0], h[k][1], h[k][2]];
-                        }
-                    } else if moderate && b.moderate {
-                        let w = h[0][3];
-                        let inverse = Lanes::splat(r, 1.0) / w;
-                        x = quotient_with(
-                            &h,
-                            #[inline(always)]
-                            |x| x.div_by(w, inverse),
-                        );
-                    } else {
-                        x = quotient(&h);
-                    }
-                    let at = tile * COLUMNS;
-                    put(row, at + b.columns.start..at + b.columns.end, &x);
+                    (_, 1, 3) => strip.unrolled::<D, 3, JET>(places, output),
+                    (_, 1, 4) => strip.unrolled::<D, 4, JET>(places, output),
+                    _ => strip.dense::<D, ORDER, JET>(places, output),
+                }
+                if short {
+                    out.copy_from_slice(&spare[..out.len()]);
                 }
             }
         }
@@ -231,34 +252,145 @@ fn collapse_net(a: &[f64], net: &[DVec4], count: usize, k: &mut [[f64; 4]]) {
     }
 }
 
-/// `Σ_j b_j K_j` for all lanes, in the first `D` coordinates.
-#[inline(always)]
-fn dense<R: Registers, const D: usize>(
+/// The part of a row that lies in a piece.
+struct Strip<'a, R: Registers> {
     r: R,
-    f: &[R::Array],
-    k: &[[f64; 4]],
-    h: &mut [Lanes<R>; 4],
-) {
-    let mut sum = [r.splat(0.0); D];
-    for (f, k) in f.iter().zip(k) {
-        let f = r.load(*f);
-        for c in 0..D {
-            sum[c] = r.add_product(sum[c], f, r.splat(k[c]));
-        }
-    }
-    for c in 0..D {
-        h[c] = Lanes(r, sum[c]);
-    }
+    row: usize,
+    columns: Range<usize>,
+    /// The number of active functions.
+    active: usize,
+    functions: &'a [R::Array],
+    /// The vectors of the row that the functions take, for each derivative by u.
+    k: &'a [[f64; 4]],
+    /// Quotients may be computed with [`Lanes::div_by`].
+    quick: bool,
 }
 
-/// The same in one coordinate, which depends on some of the functions.
-#[inline(always)]
-fn sparse<R: Registers>(r: R, f: &[R::Array], factors: &[f64], used: &[usize]) -> Lanes<R> {
-    let mut sum = r.splat(0.0);
-    for (&j, &k) in used.iter().zip(factors) {
-        sum = r.add_product(sum, r.load(f[j]), r.splat(k));
+impl<R: Registers> Strip<'_, R> {
+    /// Every coordinate has all functions.
+    #[inline(always)]
+    fn dense<const D: usize, const ORDER: usize, const JET: usize>(
+        &self,
+        out: &mut [f64],
+        output: &impl Output<R, JET>,
+    ) {
+        let r = self.r;
+        self.blocks::<_, D, ORDER, JET>(
+            out,
+            output,
+            #[inline(always)]
+            |f, k| {
+                let mut sum = [r.splat(0.0); D];
+                for (f, k) in f.iter().zip(k) {
+                    let f = r.load(*f);
+                    for c in 0..D {
+                        sum[c] = r.add_product(sum[c], f, r.splat(k[c]));
+                    }
+                }
+                sum
+            },
+        );
     }
-    Lanes(r, sum)
+
+    /// The same for points alone and `N` functions, with the row in registers.
+    #[inline(always)]
+    fn unrolled<const D: usize, const N: usize, const JET: usize>(
+        &self,
+        out: &mut [f64],
+        output: &impl Output<R, JET>,
+    ) {
+        let r = self.r;
+        let mut k = [[r.splat(0.0); D]; N];
+        for j in 0..N {
+            for c in 0..D {
+                k[j][c] = r.splat(self.k[j][c]);
+            }
+        }
+        self.blocks::<_, D, 0, JET>(
+            out,
+            output,
+            #[inline(always)]
+            |f, _| {
+                let mut sum = [r.splat(0.0); D];
+                let f = &f[..N];
+                for j in 0..N {
+                    let f = r.load(f[j]);
+                    for c in 0..D {
+                        sum[c] = r.add_product(sum[c], f, k[j][c]);
+                    }
+                }
+                sum
+            },
+        );
+    }
+
+    /// Each coordinate has its own functions.
+    #[inline(always)]
+    fn sparse<const D: usize, const ORDER: usize, const JET: usize>(
+        &self,
+        used: &[[usize; 4]],
+        out: &mut [f64],
+        output: &impl Output<R, JET>,
+    ) {
+        let r = self.r;
+        self.blocks::<_, D, ORDER, JET>(
+            out,
+            output,
+            #[inline(always)]
+            |f, k| {
+                let mut sum = [r.splat(0.0); D];
+                for (js, k) in used.iter().zip(k) {
+                    for c in 0..D {
+                        sum[c] = r.add_product(sum[c], r.load(f[js[c]]), r.splat(k[c]));
+                    }
+                }
+                sum
+            },
+        );
+    }
+
+    /// All blocks; `sum` gives `Σ_j b_j K_j` in `D` coordinates.
+    #[inline(always)]
+    fn blocks<O: Output<R, JET>, const D: usize, const ORDER: usize, const JET: usize>(
+        &self,
+        out: &mut [f64],
+        output: &O,
+        sum: impl Fn(&[R::Array], &[[f64; 4]]) -> [R::Register; D],
+    ) {
+        let (r, n) = (self.r, self.active);
+        let slots = self.k.len() / (ORDER + 1);
+        let zero = Lanes::splat(r, 0.0);
+        for (block, f) in self.functions.chunks_exact((ORDER + 1) * n).enumerate() {
+            let mut h = [[zero; 4]; JET];
+            for p in 0..=ORDER {
+                for q in 0..=ORDER - p {
+                    let sum = sum(&f[q * n..][..n], &self.k[p * slots..][..slots]);
+                    for c in 0..D {
+                        h[jet_index(p, q)][c] = Lanes(r, sum[c]);
+                    }
+                }
+            }
+            let mut x = [[zero; 3]; JET];
+            if D == 3 {
+                for k in 0..JET {
+                    x[k] = [h[k][0], h[k][1], h[k][2]];
+                }
+            } else if self.quick {
+                let w = h[0][3];
+                let inverse = Lanes::splat(r, 1.0) / w;
+                x = quotient_with(
+                    &h,
+                    #[inline(always)]
+                    |x| x.div_by(w, inverse),
+                );
+            } else {
+                x = quotient(&h);
+            }
+            let first = first_of_block(block * R::LANES, self.columns.len(), R::LANES);
+            let room = &mut out[O::EACH * first..][..O::EACH * R::LANES];
+            output.put(self.row, self.columns.start + first, &x, room);
+        }
+    }
 }
 
 /// The numbers of a vector in all lanes.
@@ -271,14 +403,12 @@ fn numbers<R: Registers, const N: usize>(x: &[Lanes<R>; N]) -> [R::Register; N] 
     numbers
 }
 
-/// Writes registers to places for fewer numbers, if they are the last.
+/// Writes registers one after the other.
 #[inline(always)]
-fn write<R: Registers, const N: usize>(x: [R::Array; N], out: &mut [f64]) {
-    // Full blocks apart: the compiler then knows the length.
-    if out.len() == N * R::LANES {
-        R::arrays_mut(out).copy_from_slice(&x);
-    } else {
-        out.copy_from_slice(&cast_slice(&x)[..out.len()]);
+fn write<R: Registers, const N: usize>(x: &[R::Array; N], out: &mut [f64]) {
+    let places = &mut R::arrays_mut(out)[..N];
+    for k in 0..N {
+        places[k] = x[k];
     }
 }
 
@@ -305,31 +435,39 @@ impl<const ORDER: usize, const JET: usize> Kernel for Jets<'_, ORDER, JET> {
     #[inline(always)]
     fn run<R: Registers>(self, r: R) {
         let Grid { surface, u, v, out } = self.0;
-        let origin = surface.origin();
-        let out = out.as_chunks_mut::<JET>().0;
-        evaluate::<R, ORDER, JET>(
+        let output = JetOutput {
             r,
-            surface,
-            [u, v],
-            #[inline(always)]
-            |row, columns, x| {
-                let out = &mut out[row * v.len() + columns.start..][..columns.len()];
-                let points = r.interleave(numbers(&moved(&x[0], origin)));
-                if JET == 1 {
-                    return write::<R, 3>(points, cast_slice_mut(out.as_flattened_mut()));
-                }
-                for k in 0..JET {
-                    let vectors = if k == 0 {
-                        points
-                    } else {
-                        r.interleave(numbers(&x[k]))
-                    };
-                    for (out, x) in out.iter_mut().zip(cast_slice(&vectors)) {
-                        out[k] = *x;
-                    }
-                }
-            },
-        );
+            origin: surface.origin(),
+        };
+        evaluate::<R, _, ORDER, JET>(r, surface, [u, v], cast_slice_mut(out), &output);
+    }
+}
+
+struct JetOutput<R> {
+    r: R,
+    origin: DVec3,
+}
+
+impl<R: Registers, const JET: usize> Output<R, JET> for JetOutput<R> {
+    const EACH: usize = 3 * JET;
+
+    #[inline(always)]
+    fn put(&self, _: usize, _: usize, x: &[[Lanes<R>; 3]; JET], out: &mut [f64]) {
+        let points = self.r.interleave(numbers(&moved(&x[0], self.origin)));
+        if JET == 1 {
+            return write::<R, 3>(&points, out);
+        }
+        for k in 0..JET {
+            let vectors = if k == 0 {
+                points
+            } else {
+                self.r.interleave(numbers(&x[k]))
+            };
+            let jets = out.as_chunks_mut::<3>().0.chunks_exact_mut(JET);
+            for (jet, x) in jets.zip(cast_slice(&vectors)) {
+                jet[k] = *x;
+            }
+        }
     }
 }
 
@@ -349,7 +487,7 @@ fn jets_on(set: InstructionSet, grid: Grid<'_, DVec3>, order: usize) {
 /// Points and unit normals of a grid.
 struct Normals<'a> {
     grid: Grid<'a, [DVec3; 2]>,
-    /// The widths of the pieces that the parameters lie in; some more for v, since a block may reach beyond the end.
+    /// The widths of the pieces that the parameters lie in.
     widths: [Vec<f64>; 2],
 }
 
@@ -357,42 +495,67 @@ impl Kernel for Normals<'_> {
     #[inline(always)]
     fn run<R: Registers>(self, r: R) {
         let Grid { surface, u, v, out } = self.grid;
-        let [du, mut dv] = self.widths;
-        if let Some(&last) = dv.last() {
-            dv.resize(v.len() + R::LANES, last);
-        }
-        let origin = surface.origin();
-        evaluate::<R, 1, 3>(
+        let mut widths = self.widths;
+        let last = widths[1].last().copied();
+        widths[1].resize(v.len() + R::LANES, last.unwrap_or(1.0));
+        let output = NormalOutput {
             r,
             surface,
-            [u, v],
-            #[inline(always)]
-            |row, columns, x| {
-                let dv = R::arrays(&dv[columns.start..][..R::LANES])[0];
-                let (du, dv) = (Lanes::splat(r, du[row]), Lanes(r, r.load(dv)));
-                let at = moved(&x[0], origin);
-                let a = [x[1][0] * du, x[1][1] * du, x[1][2] * du];
-                let b = [x[2][0] * dv, x[2][1] * dv, x[2][2] * dv];
-                let n = [
-                    a[1] * b[2] - b[1] * a[2],
-                    a[2] * b[0] - b[2] * a[0],
-                    a[0] * b[1] - b[0] * a[1],
-                ];
-                let nn = square(&n);
-                let inverse = Lanes::splat(r, 1.0) / nn.sqrt();
-                let n = [n[0] * inverse, n[1] * inverse, n[2] * inverse];
-                let pairs = numbers(&[at[0], at[1], at[2], n[0], n[1], n[2]]);
-                let out = &mut out[row * v.len() + columns.start..][..columns.len()];
-                let vectors = out.as_flattened_mut();
-                write::<R, 6>(r.interleave_pairs(pairs), cast_slice_mut(vectors));
-                if !all_plain(nn, square(&a), square(&b), square(&at)) {
-                    for (o, v) in out.iter_mut().zip(&v[columns]) {
-                        let normal = normal_at(surface, [u[row], *v], [Limit::Above; 2]);
-                        o[1] = normal.vector().unwrap_or(DVec3::ZERO);
-                    }
-                }
-            },
-        );
+            uv: [u, v],
+            widths,
+        };
+        let out = cast_slice_mut(out.as_flattened_mut());
+        evaluate::<R, _, 1, 3>(r, surface, [u, v], out, &output);
+    }
+}
+
+struct NormalOutput<'a, R> {
+    r: R,
+    surface: &'a Separable,
+    uv: [&'a [f64]; 2],
+    /// Some more for v, since a block may reach beyond the end.
+    widths: [Vec<f64>; 2],
+}
+
+impl<R: Registers> Output<R, 3> for NormalOutput<'_, R> {
+    const EACH: usize = 6;
+
+    #[inline(always)]
+    fn put(&self, row: usize, column: usize, x: &[[Lanes<R>; 3]; 3], out: &mut [f64]) {
+        let r = self.r;
+        let [du, dv] = &self.widths;
+        let dv = R::arrays(&dv[column..][..R::LANES])[0];
+        let (du, dv) = (Lanes::splat(r, du[row]), Lanes(r, r.load(dv)));
+        let at = moved(&x[0], self.surface.origin());
+        let a = [x[1][0] * du, x[1][1] * du, x[1][2] * du];
+        let b = [x[2][0] * dv, x[2][1] * dv, x[2][2] * dv];
+        let n = [
+            a[1] * b[2] - b[1] * a[2],
+            a[2] * b[0] - b[2] * a[0],
+            a[0] * b[1] - b[0] * a[1],
+        ];
+        let nn = square(&n);
+        let inverse = Lanes::splat(r, 1.0) / nn.sqrt();
+        let n = [n[0] * inverse, n[1] * inverse, n[2] * inverse];
+        let pairs = numbers(&[at[0], at[1], at[2], n[0], n[1], n[2]]);
+        write::<R, 6>(&r.interleave_pairs(pairs), out);
+        if !all_plain(nn, square(&a), square(&b), square(&at)) {
+            self.normals_at(row, column, out);
+        }
+    }
+}
+
+impl<R> NormalOutput<'_, R> {
+    /// Normals of points some of which may have none.
+    #[cold]
+    fn normals_at(&self, row: usize, column: usize, out: &mut [f64]) {
+        let [u, v] = self.uv;
+        let places = out.as_chunks_mut::<6>().0;
+        for (place, &v) in places.iter_mut().zip(&v[column..]) {
+            let normal = normal_at(self.surface, [u[row], v], [Limit::Above; 2]);
+            let normal = normal.vector().unwrap_or(DVec3::ZERO);
+            place[3..].copy_from_slice(&normal.to_array());
+        }
     }
 }
 
