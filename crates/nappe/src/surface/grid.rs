@@ -29,8 +29,7 @@ struct Piece {
     at: usize,
     /// All functions are [`far_from_limits`].
     moderate: bool,
-    /// For each coordinate the active functions that it depends on, see [`used`].
-    used: Vec<[usize; 4]>,
+    sparse: Sparse,
 }
 
 /// The functions of v at some columns.
@@ -70,7 +69,7 @@ impl Columns {
                 columns: start..start + count,
                 at,
                 moderate: all.iter().all(|&x| far_from_limits(x)),
-                used: used(surface, &active),
+                sparse: Sparse::new(surface, &active),
                 active,
             });
             start += count;
@@ -92,42 +91,66 @@ fn first_of_block(block: usize, columns: usize, lanes: usize) -> usize {
     block.min(columns.saturating_sub(lanes))
 }
 
-/// The functions of v that each coordinate depends on, counted from the first active one, side by side: most functions of
-/// a Coons surface move one coordinate. A coordinate with fewer has more of the first one; [`gather`] gives them the
-/// factor zero. Empty if the core is a net.
-fn used(surface: &Separable, active: &Range<usize>) -> Vec<[usize; 4]> {
-    let Core::Terms(terms) = surface.core() else {
-        return Vec::new();
-    };
-    let lists: [Vec<usize>; 4] = std::array::from_fn(|c| {
-        let terms = terms.iter().filter(|t| t.c[c] != 0.0);
-        let mut js: Vec<usize> = terms
-            .filter(|t| active.contains(&t.j))
-            .map(|t| t.j - active.start)
-            .collect();
-        js.sort_unstable();
-        js.dedup();
-        js
-    });
-    let dimensions = if surface.is_rational() { 4 } else { 3 };
-    let longest = lists[..dimensions].iter().map(Vec::len).max();
-    (0..longest.unwrap_or(0))
-        .map(|slot| std::array::from_fn(|c| lists[c].get(slot).copied().unwrap_or(0)))
-        .collect()
+/// The part of a sparse core that a piece sees; empty if the core is a net.
+#[derive(Default)]
+struct Sparse {
+    /// For each coordinate the active functions of v that it depends on, side by side: most functions of a Coons surface
+    /// move one coordinate. One with fewer has more of the first function, with vectors that stay zero.
+    used: Vec<[usize; 4]>,
+    products: Vec<Product>,
 }
 
-/// The vectors of a row of the active functions, coordinate by coordinate for those that are used.
-#[inline(always)]
-fn gather(k: &[[f64; 4]], used: &[[usize; 4]], out: &mut Vec<[f64; 4]>) {
-    for (slot, js) in used.iter().enumerate() {
-        out.push(std::array::from_fn(|c| {
-            // In each coordinate the lists rise; what does not is filling.
-            if slot > 0 && js[c] == 0 {
-                0.0
-            } else {
-                k[js[c]][c]
+/// A function of u times a constant, which goes to a coordinate of the vector of a used function.
+struct Product {
+    i: usize,
+    factor: f64,
+    to: [usize; 2],
+}
+
+impl Sparse {
+    fn new(surface: &Separable, active: &Range<usize>) -> Self {
+        let Core::Terms(terms) = surface.core() else {
+            return Self::default();
+        };
+        let dimensions = if surface.is_rational() { 4 } else { 3 };
+        let (mut used, mut products) = (Vec::new(), Vec::new());
+        for c in 0..dimensions {
+            let terms = terms
+                .iter()
+                .filter(|t| t.c[c] != 0.0 && active.contains(&t.j));
+            let mut js: Vec<usize> = terms.clone().map(|t| t.j).collect();
+            js.sort_unstable();
+            js.dedup();
+            used.resize(js.len().max(used.len()), [0; 4]);
+            for (used, j) in used.iter_mut().zip(&js) {
+                used[c] = j - active.start;
             }
-        }));
+            products.extend(terms.filter_map(|t| {
+                let slot = js.binary_search(&t.j).ok()?;
+                Some(Product {
+                    i: t.i,
+                    factor: t.c[c],
+                    to: [slot, c],
+                })
+            }));
+        }
+        Self { used, products }
+    }
+
+    /// The vectors of the used functions for each derivative of the active functions of u, in the order of the terms.
+    fn collapse(&self, a: &[f64], active: &Range<usize>, rows: usize, out: &mut Vec<[f64; 4]>) {
+        let slots = self.used.len();
+        out.clear();
+        out.resize(rows * slots, [0.0; 4]);
+        for (p, a) in a.chunks_exact(active.len()).enumerate() {
+            let out = &mut out[p * slots..][..slots];
+            for product in &self.products {
+                if let Some(a) = a.get(product.i.wrapping_sub(active.start)) {
+                    let [slot, c] = product.to;
+                    out[slot][c] += a * product.factor;
+                }
+            }
+        }
     }
 }
 
@@ -188,21 +211,17 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
         let columns = Columns::new(surface, columns, ORDER, R::LANES);
         for (row, &u) in u.iter().enumerate() {
             let active = side.active_jet(u, Limit::Above, ORDER, &mut a);
-            match net {
-                Some(net) => collapse_net(&a, &net[active.start * count..], count, &mut all),
-                None => surface.collapse(&a, [active, 0..count], None, false, &mut all),
+            if let Some(net) = net {
+                collapse_net(&a, &net[active.start * count..], count, &mut all);
             }
-            let quick =
-                D == 4 && ORDER < 2 && all.as_flattened().iter().all(|&x| far_from_limits(x));
             for (index, piece) in columns.pieces.iter().enumerate() {
-                k.clear();
-                for all in all.chunks_exact(count) {
-                    let all = &all[piece.active.clone()];
-                    if net.is_some() {
-                        k.extend_from_slice(all);
-                    } else {
-                        gather(all, &piece.used, &mut k);
+                if net.is_some() {
+                    k.clear();
+                    for all in all.chunks_exact(count) {
+                        k.extend_from_slice(&all[piece.active.clone()]);
                     }
+                } else {
+                    piece.sparse.collapse(&a, &active, ORDER + 1, &mut k);
                 }
                 let (first, width) = (tile * COLUMNS + piece.columns.start, piece.columns.len());
                 let out = &mut out[O::EACH * (row * v.len() + first)..][..O::EACH * width];
@@ -215,11 +234,14 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
                     active: piece.active.len(),
                     functions: R::arrays(columns.of(index)),
                     k: &k,
-                    quick: quick && piece.moderate,
+                    quick: D == 4
+                        && ORDER < 2
+                        && piece.moderate
+                        && k.as_flattened().iter().all(|&x| far_from_limits(x)),
                 };
                 match (net, JET, strip.active) {
                     (None, ..) => {
-                        strip.sparse::<D, ORDER, JET>(&piece.used, places, output);
+                        strip.sparse::<D, ORDER, JET>(&piece.sparse.used, places, output);
                     }
                     (_, 1, 3) => strip.unrolled::<D, 3, JET>(places, output),
                     (_, 1, 4) => strip.unrolled::<D, 4, JET>(places, output),
@@ -407,6 +429,8 @@ fn numbers<R: Registers, const N: usize>(x: &[Lanes<R>; N]) -> [R::Register; N] 
 #[inline(always)]
 fn write<R: Registers, const N: usize>(x: &[R::Array; N], out: &mut [f64]) {
     let places = &mut R::arrays_mut(out)[..N];
+    // One by one they go from registers to their places; as a slice they would be copied from the stack.
+    #[allow(clippy::manual_memcpy)]
     for k in 0..N {
         places[k] = x[k];
     }
