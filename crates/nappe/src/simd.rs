@@ -2,7 +2,8 @@
 //!
 //! Kernels are written over [`Registers`], or [`Quads`] where four numbers belong together, so that the compiler cannot
 //! take registers apart, and run through [`InstructionSet::run`] or [`with_quads`]. Every instruction set executes the same
-//! operations in the same order, without fusing a product with a sum, and so gives the same bits.
+//! operations in the same order, without fusing a sum with its product, and so gives the same bits. What
+//! [`Registers::div_by`] fuses rounds as a division does.
 //!
 //! x86-64 has AVX-512 and AVX2 kernels beside the plain one. Elsewhere the plain one runs, compiled for what every
 //! machine of the target has: on aarch64 that includes NEON, whose registers of two numbers the compiler fills by itself.
@@ -436,4 +437,63 @@ pub(crate) fn with_quads(kernel: impl QuadKernel) {
         );
     }
     kernel.run(Plain);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::laws::Random;
+
+    struct Quotients<'a> {
+        a: &'a [f64],
+        b: &'a [f64],
+        out: &'a mut [f64],
+    }
+
+    impl Kernel for Quotients<'_> {
+        #[inline(always)]
+        fn run<R: Registers>(self, r: R) {
+            let pairs = R::arrays(self.a).iter().zip(R::arrays(self.b));
+            for (out, (&a, &b)) in R::arrays_mut(self.out).iter_mut().zip(pairs) {
+                let (a, b) = (r.load(a), r.load(b));
+                let inverse = r.div(r.splat(1.0), b);
+                *out = r.store(r.div_by(a, b, inverse));
+            }
+        }
+    }
+
+    /// Over the whole range of [`far_from_limits`]; fractions of any length, and next to powers of two, where the
+    /// relative errors of roundings are greatest.
+    #[test]
+    fn quotients_round_as_divisions_do() {
+        let mut random = Random(11);
+        let mut number = |low: f64, high: f64| {
+            let exponent = (low + (high - low) * random.unit()).round() as i32;
+            let fraction = match (4.0 * random.unit()) as u32 {
+                0 => 1.0 + (16.0 * random.unit()).floor() * f64::EPSILON,
+                1 => 2.0 - (16.0 * random.unit() + 1.0).floor() * f64::EPSILON,
+                _ => 1.0 + random.unit(),
+            };
+            fraction * 2f64.powi(exponent)
+        };
+        let n = 400_000;
+        let b: Vec<f64> = (0..n).map(|_| number(-253.0, 209.0)).collect();
+        let near = (0..n / 2).map(|k| number(-8.0, 8.0) * b[k]);
+        let mut a: Vec<f64> = near.collect();
+        a.extend((0..n / 2).map(|_| -number(-768.0, 673.0)));
+        a[n / 2] = 0.0;
+        for set in InstructionSet::all() {
+            let mut out = vec![0.0; n];
+            let (a, b) = (&a, &b);
+            set.run(Quotients {
+                a,
+                b,
+                out: &mut out,
+            });
+            for k in 0..n {
+                let exact = a[k] / b[k];
+                assert_eq!(out[k].to_bits(), exact.to_bits(), "{:e} / {:e}", a[k], b[k]);
+            }
+        }
+    }
 }
