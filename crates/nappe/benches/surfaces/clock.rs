@@ -1,29 +1,51 @@
 //! Time.
 
+use pulp::bytemuck::{Pod, cast_slice_mut};
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 /// Runs are repeated until they took this long together.
 const ENOUGH: Duration = Duration::from_millis(300);
 
-/// The best time of at least `runs` runs, in nanoseconds for each of `n` items. The first run, which finds cold caches,
+/// Repeats a round that returns times, and returns the best of each in seconds. The first round, which finds cold caches,
 /// is not counted.
-pub(crate) fn best(runs: usize, n: usize, mut f: impl FnMut()) -> f64 {
-    f();
-    let (mut least, mut total, mut done) = (Duration::MAX, Duration::ZERO, 0);
+fn best_of<const N: usize>(runs: usize, mut round: impl FnMut() -> [Duration; N]) -> [f64; N] {
+    round();
+    let (mut least, mut total, mut done) = ([Duration::MAX; N], Duration::ZERO, 0);
     while done < runs || total < ENOUGH && done < 50 * runs {
-        let start = Instant::now();
-        f();
-        let time = start.elapsed();
-        least = least.min(time);
-        total += time;
+        for (least, time) in least.iter_mut().zip(round()) {
+            *least = time.min(*least);
+            total += time;
+        }
         done += 1;
     }
-    least.as_secs_f64() * 1e9 / n as f64
+    least.map(|t| t.as_secs_f64())
 }
 
-/// The time to write `n` items of `bytes` bytes each to memory that is already mapped.
-pub(crate) fn write_limit(runs: usize, n: usize, bytes: usize) -> f64 {
-    let mut out = vec![0u64; n * bytes / 8];
-    best(runs, n, || black_box(&mut out).fill(black_box(1)))
+fn time(f: impl FnOnce()) -> Duration {
+    let start = Instant::now();
+    f();
+    start.elapsed()
+}
+
+/// The best time of at least `runs` runs, in nanoseconds for each of `n` items.
+pub(crate) fn best(runs: usize, n: usize, mut f: impl FnMut()) -> f64 {
+    best_of(runs, || [time(&mut f)])[0] * 1e9 / n as f64
+}
+
+/// The same for what fills `out`, `each` places an item, and for filling it with one number: the limit of what stores
+/// its result. Both write to the same memory, in turns, so that pages and caches are the same for both.
+pub(crate) fn beside_writing<T: Pod>(
+    runs: usize,
+    out: &mut [T],
+    each: usize,
+    mut f: impl FnMut(&mut [T]),
+) -> [f64; 2] {
+    let n = (out.len() / each) as f64;
+    let times = best_of(runs, || {
+        let ours = time(|| f(black_box(out)));
+        let numbers = cast_slice_mut::<T, u64>(black_box(out));
+        [ours, time(|| numbers.fill(black_box(1)))]
+    });
+    times.map(|t| t * 1e9 / n)
 }

@@ -1,7 +1,7 @@
 //! What is measured.
 
 use crate::cases;
-use crate::clock::{best, write_limit};
+use crate::clock::{beside_writing, best};
 use nappe::exact::NurbsSurface;
 use nappe::laws::Random;
 use nappe::mesh::{self, MeshOptions};
@@ -124,7 +124,9 @@ pub(crate) fn all(quick: bool, names: &[&str]) -> Vec<Row> {
         };
         rows.push(list("list", kind, surface, 0, &fewer));
         rows.push(list("list1", kind, surface, 1, &fewer));
-        rows.push(triangles(kind, surface));
+        if std::env::var("NOMESH").is_err() {
+            rows.push(triangles(kind, surface));
+        }
     }
     rows
 }
@@ -141,6 +143,14 @@ fn row(task: &'static str, kind: &str, n: usize, ns: f64) -> Row {
     }
 }
 
+/// A row from its time and that of writing its result.
+fn row_beside(task: &'static str, kind: &str, n: usize, [ns, limit]: [f64; 2]) -> Row {
+    Row {
+        limit: Some(limit),
+        ..row(task, kind, n, ns)
+    }
+}
+
 /// The time of single points in the order of the list.
 fn plain(surface: &SurfaceRef, uv: &[[f64; 2]]) -> f64 {
     let few = &uv[..uv.len().min(2000)];
@@ -153,43 +163,34 @@ fn plain(surface: &SurfaceRef, uv: &[[f64; 2]]) -> f64 {
 
 fn grid(task: &'static str, kind: &str, surface: &SurfaceRef, size: &Size) -> Row {
     let [u, v] = surface.domain().map(|d| even(d, size.side));
-    let n = u.len() * v.len();
-    let mut out = vec![DVec3::ZERO; n];
-    let ns = best(size.runs, n, || surface.grid(&u, &v, black_box(&mut out)));
-    let limit = Some(write_limit(size.runs, n, 24));
+    let mut out = vec![DVec3::ZERO; u.len() * v.len()];
+    let times = beside_writing(size.runs, &mut out, 1, |out| surface.grid(&u, &v, out));
     let plain = Some(plain(surface, &scattered(surface, 2000)));
     Row {
-        limit,
         plain,
-        ..row(task, kind, n, ns)
+        ..row_beside(task, kind, out.len(), times)
     }
 }
 
 fn normals(task: &'static str, kind: &str, surface: &SurfaceRef, size: &Size) -> Row {
     let [u, v] = surface.domain().map(|d| even(d, size.side));
-    let n = u.len() * v.len();
-    let mut out = vec![[DVec3::ZERO; 2]; n];
-    let ns = best(size.runs, n, || {
-        surface.grid_normals(&u, &v, black_box(&mut out))
+    let mut out = vec![[DVec3::ZERO; 2]; u.len() * v.len()];
+    let times = beside_writing(size.runs, &mut out, 1, |out| {
+        surface.grid_normals(&u, &v, out);
     });
-    Row {
-        limit: Some(write_limit(size.runs, n, 48)),
-        ..row(task, kind, n, ns)
-    }
+    row_beside(task, kind, out.len(), times)
 }
 
 fn list(task: &'static str, kind: &str, surface: &SurfaceRef, order: usize, size: &Size) -> Row {
     let uv = scattered(surface, size.list);
     let mut out = vec![DVec3::ZERO; uv.len() * jet_len(order)];
-    let ns = best(size.runs, uv.len(), || {
-        surface.jets(&uv, order, black_box(&mut out))
+    let times = beside_writing(size.runs, &mut out, jet_len(order), |out| {
+        surface.jets(&uv, order, out);
     });
-    let limit = Some(write_limit(size.runs, uv.len(), 24 * jet_len(order)));
     let plain = (order == 0).then(|| plain(surface, &uv));
     Row {
-        limit,
         plain,
-        ..row(task, kind, uv.len(), ns)
+        ..row_beside(task, kind, uv.len(), times)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{Dir, Surface, jet_index, jet_len};
 use crate::breaks::{Breaks, Limit};
 use crate::series::binomial;
+use crate::simd::{Lanes, Registers};
 use glam::DVec3;
 
 /// How many derivatives of the normal field are tried. Poles need one; a touching of the axis of order m needs m - 1.
@@ -83,18 +84,27 @@ pub(crate) fn normal_from<S: Surface + ?Sized>(
     Tangents::new(surface, uv, limit, width).normal()
 }
 
-/// True if the tangents surely span a plane by [`normal_at`]'s rule, from the squared lengths of their cross product, of
-/// both (over the width of the piece) and of the point.
+/// True if the tangents surely span a plane by [`normal_at`]'s rule in all lanes, from the squared lengths of their cross
+/// product, of both (over the width of the piece) and of the point.
 #[inline(always)]
-pub(super) fn is_plain(cross: f64, a: f64, b: f64, point: f64) -> bool {
+pub(super) fn all_plain<R: Registers>(
+    cross: Lanes<R>,
+    a: Lanes<R>,
+    b: Lanes<R>,
+    point: Lanes<R>,
+) -> bool {
     /// Squares outside lose digits or overflow.
     const RANGE: [f64; 2] = [1e-250, 1e250];
     // Twice the limits: rounding decides nothing.
-    let (shorter, longer) = (a.min(b), a.max(b));
-    cross > 4.0 * PLAIN * PLAIN * longer * longer
-        && shorter > 4.0 * WELL_ABOVE_ROUNDING * WELL_ABOVE_ROUNDING * point
-        && cross > RANGE[0]
-        && cross < RANGE[1]
+    let of = |x| Lanes::splat(cross.0, x);
+    let plain = of(4.0 * PLAIN * PLAIN);
+    let rounding = of(4.0 * WELL_ABOVE_ROUNDING * WELL_ABOVE_ROUNDING) * point;
+    cross.exceeds(plain * a * a)
+        & cross.exceeds(plain * b * b)
+        & a.exceeds(rounding)
+        & b.exceeds(rounding)
+        & cross.exceeds(of(RANGE[0]))
+        & of(RANGE[1]).exceeds(cross)
 }
 
 /// Taylor coefficients of both tangents at a point, in parameters that run over `[0, 1]` in the piece: all vectors are

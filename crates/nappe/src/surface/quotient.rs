@@ -11,18 +11,30 @@ where
     S: Copy + Add<Output = S> + Sub<Output = S> + Mul<Output = S> + Div<Output = S>,
 {
     let w = h[0][3];
-    let mut r = [[w; 3]; JET];
+    quotient_with(h, |x| x / w)
+}
+
+/// The same where `divide` divides by `R.w`.
+#[inline(always)]
+pub(super) fn quotient_with<S, const JET: usize>(
+    h: &[[S; 4]; JET],
+    divide: impl Fn(S) -> S,
+) -> [[S; 3]; JET]
+where
+    S: Copy + Add<Output = S> + Sub<Output = S> + Mul<Output = S>,
+{
+    let mut r = [[h[0][3]; 3]; JET];
     for c in 0..3 {
-        r[0][c] = h[0][c] / w;
+        r[0][c] = divide(h[0][c]);
         if JET >= 3 {
-            r[1][c] = (h[1][c] - r[0][c] * h[1][3]) / w;
-            r[2][c] = (h[2][c] - r[0][c] * h[2][3]) / w;
+            r[1][c] = divide(h[1][c] - r[0][c] * h[1][3]);
+            r[2][c] = divide(h[2][c] - r[0][c] * h[2][3]);
         }
         if JET >= 6 {
             let [wu, wv] = [h[1][3], h[2][3]];
-            r[3][c] = (h[3][c] - r[0][c] * h[3][3] - r[1][c] * (wu + wu)) / w;
-            r[4][c] = (h[4][c] - r[0][c] * h[4][3] - r[2][c] * wu - r[1][c] * wv) / w;
-            r[5][c] = (h[5][c] - r[0][c] * h[5][3] - r[2][c] * (wv + wv)) / w;
+            r[3][c] = divide(h[3][c] - r[0][c] * h[3][3] - r[1][c] * (wu + wu));
+            r[4][c] = divide(h[4][c] - r[0][c] * h[4][3] - r[2][c] * wu - r[1][c] * wv);
+            r[5][c] = divide(h[5][c] - r[0][c] * h[5][3] - r[2][c] * (wv + wv));
         }
     }
     r
