@@ -7,7 +7,7 @@
 use super::bisection::{Bisection, DEPTH, Square};
 use super::bound::{Bend, ROUND_UP, sampled};
 use super::lines::index;
-use super::measured::Samples;
+use super::measured::{LEVELS, Samples};
 use super::options::MeshError;
 use super::partners::{BETWEEN, Bound, Place, bounds, within_reach};
 use super::roots::{Grid, Roots, roots};
@@ -374,8 +374,10 @@ impl Work<'_> {
                 ..Judged::UNKNOWN
             };
         };
-        if proven && (level == 1 || level == 2) {
-            // Measuring says for fewer bisections what the bound says for that many and more.
+        // With hardly a bisection if all goes well: measuring says for each number of bisections what the bound says for
+        // `level` and more.
+        let hopeful = reach <= 2.0 * tol;
+        if proven && level > 0 && level <= LEVELS + 1 && hopeful {
             let samples = Samples::new(self.surface, place, &jet, tol);
             let open = Side::ALL.map(|side| {
                 let d = index(side.across());
@@ -387,14 +389,12 @@ impl Work<'_> {
                 };
                 on && self.demand.joined[side as usize]
             });
-            for centre in [true, false] {
-                if u32::from(centre) < level {
-                    let error = samples.error(centre, square.is_even(), open) * ROUND_UP;
-                    if !(error <= tol) {
-                        break;
-                    }
-                    (level, deviation) = (u32::from(centre), deviation.max(error));
+            for fewer in (0..level).rev() {
+                let error = samples.error(fewer, square.is_even(), open) * ROUND_UP;
+                if error.is_nan() || error > tol {
+                    break;
                 }
+                (level, deviation) = (fewer, deviation.max(error));
             }
         }
         Judged {

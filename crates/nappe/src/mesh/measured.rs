@@ -1,13 +1,13 @@
 //! How far the triangles of one square are from the surface: measured at samples, bounded between them.
 //!
 //! The bound of `partners` multiplies the greatest derivatives with the greatest turns of the normal. In squares of a few
-//! triangles that says several times too much. Here each triangle is cut into [`K`]² equal ones; their corners `p_s` get
+//! triangles that says several times too much. Here each triangle is cut into up to [`K`]² equal ones; their corners `p_s` get
 //! partners `p_s + d_s` like there, and the partner of `p = Σ λ_s p_s` is `p + Σ λ_s d_s`. As `L` is linear,
 //!
 //! `r(p + d) - L(p) = Σ λ_s (r(p_s + d_s) - L(p_s)) + [r(Σ λ_s (p_s + d_s)) - Σ λ_s r(p_s + d_s)]`:
 //!
 //! at most the largest of the distances at the samples, which are measured, and the error of interpolation over a part
-//! that is K times smaller (`bound`). The choice of partners is continuous, also from one triangle to the next, since it
+//! that is so many times smaller (`bound`). The choice of partners is continuous, also from one triangle to the next, since it
 //! depends on `p_s` and `L(p_s)` alone; it keeps the sides of the domain. So this is one more kind of square in the theorem
 //! of `partners`.
 
@@ -17,21 +17,33 @@ use crate::breaks::Limit;
 use crate::surface::{Surface, jet_len};
 use glam::DVec3;
 
-/// The parts of a triangle's edge.
+/// The most parts of a triangle's edge.
 const K: usize = 8;
 /// Samples along the edges of a square: triangles around its centre have corners in the middle.
 const SIDE: usize = 2 * K + 1;
 
-/// The triangles of a square: those with its diagonal, which leads up if its lower corner is even, and those around its
-/// centre; in steps of samples.
-fn triangles(centre: bool, even: bool) -> Vec<[[usize; 2]; 3]> {
+/// The most bisections that can be measured: smaller triangles have too few samples.
+pub(super) const LEVELS: u32 = 4;
+
+/// The triangles of a square after some bisections, in steps of samples, with the parts of their edges. The diagonal leads
+/// up if the lower corner is even.
+fn triangles(level: u32, even: bool) -> (Vec<[[usize; 2]; 3]>, usize) {
     let [a, b, c, d] = [[0, 0], [2 * K, 0], [2 * K, 2 * K], [0, 2 * K]];
-    let m = [K, K];
-    match (centre, even) {
-        (true, _) => vec![[m, a, b], [m, b, c], [m, c, d], [m, d, a]],
-        (false, true) => vec![[b, c, a], [d, a, c]],
-        (false, false) => vec![[a, b, d], [c, d, b]],
+    let mut all = if even {
+        vec![[b, c, a], [d, a, c]]
+    } else {
+        vec![[a, b, d], [c, d, b]]
+    };
+    for _ in 0..level {
+        let halves = |[a, b, c]: [[usize; 2]; 3]| {
+            let m = [0, 1].map(|d| (b[d] + c[d]) / 2);
+            [[m, a, b], [m, c, a]]
+        };
+        all = all.into_iter().flat_map(halves).collect();
     }
+    // Corners of parts are samples: the right angle of an odd triangle is half as far away as the others.
+    let parts = ((2 * K) >> level.div_ceil(2)).min(K);
+    (all, parts)
 }
 
 /// True if a sample is on one of the marked sides.
@@ -102,28 +114,29 @@ impl Samples {
         }
     }
 
-    /// The bound for the triangles with the diagonal or around the centre; sides marked may get further vertices.
-    pub(super) fn error(&self, centre: bool, even: bool, open: [bool; 4]) -> f64 {
-        let all = triangles(centre, even).into_iter();
+    /// The bound for the triangles after at most [`LEVELS`] bisections; sides marked may get further vertices.
+    pub(super) fn error(&self, level: u32, even: bool, open: [bool; 4]) -> f64 {
+        let (all, parts) = triangles(level, even);
+        let all = all.into_iter();
         // NaN must not get lost.
-        all.map(|t| self.triangle(t, open))
+        all.map(|t| self.triangle(t, parts, open))
             .fold(0.0, |a, b| if b <= a { a } else { b })
     }
 
-    fn triangle(&self, corners: [[usize; 2]; 3], open: [bool; 4]) -> f64 {
+    fn triangle(&self, corners: [[usize; 2]; 3], parts: usize, open: [bool; 4]) -> f64 {
         let at = |[i, j]: [usize; 2]| &self.jets[i * SIDE + j];
         let tips = corners.map(|c| at(c)[0]);
         let (mut worst, mut edge) = (0.0f64, None);
         let (mut far, mut uneven) = ([0.0f64; 2], [0.0f64; 2]);
         let mut before = [[0.0; 2]; K + 1];
-        for i in 0..=K {
+        for i in 0..=parts {
             let mut row = [[0.0; 2]; K + 1];
-            for j in 0..=K - i {
-                let weights = [i, j, K - i - j];
-                let place =
-                    [0, 1].map(|d| (0..3).map(|k| weights[k] * corners[k][d]).sum::<usize>() / K);
+            for j in 0..=parts - i {
+                let weights = [i, j, parts - i - j];
+                let place = [0, 1]
+                    .map(|d| (0..3).map(|k| weights[k] * corners[k][d]).sum::<usize>() / parts);
                 let jet = at(place);
-                let [a, b, c] = weights.map(|w| w as f64 / K as f64);
+                let [a, b, c] = weights.map(|w| w as f64 / parts as f64);
                 let e = tips[0] * a + tips[1] * b + tips[2] * c - jet[0];
                 let d = self.partner(place, jet, e);
                 let distance = (e - jet[1] * d[0] - jet[2] * d[1]).length();
@@ -152,7 +165,7 @@ impl Samples {
         let size = [0, 1].map(|d| {
             let all = corners.map(|c| c[d]);
             let extent = all.iter().max().unwrap_or(&0) - all.iter().min().unwrap_or(&0);
-            extent as f64 / (2 * K * K) as f64 + uneven[d]
+            extent as f64 / (2 * K * parts) as f64 + uneven[d]
         });
         let added = 0.5 * self.form(far);
         if added <= self.most {
