@@ -24,6 +24,9 @@ struct Within {
     error: f64,
 }
 
+/// The factors of a sum.
+type Factors = SmallVec<[Within; 4]>;
+
 /// Some numbers side by side, with their errors.
 type Within4 = [[f64; 4]; 2];
 
@@ -181,10 +184,9 @@ pub(super) fn derivatives(
             [p.map(|x| x.value), p.map(|x| x.error)]
         })
         .collect();
-    let factors = |row: &Row| -> SmallVec<[Within; 4]> {
-        row.iter().map(|&i| Within::factor(i, row.len())).collect()
-    };
-    let along_v: SmallVec<[SmallVec<[SmallVec<[Within; 4]>; 4]>; 5]> = v
+    let factors =
+        |row: &Row| -> Factors { row.iter().map(|&i| Within::factor(i, row.len())).collect() };
+    let along_v: SmallVec<[SmallVec<[Factors; 4]>; 5]> = v
         .orders
         .iter()
         .map(|rows| rows.iter().map(factors).collect())

@@ -9,7 +9,7 @@ use super::bound::{Bend, ROUND_UP, sampled};
 use super::lines::index;
 use super::measured::{LEVELS, Samples};
 use super::options::MeshError;
-use super::partners::{BETWEEN, Bound, Place, bounds, within_reach};
+use super::partners::{BETWEEN, Bound, Place, between, bounds, within_reach};
 use super::roots::{Grid, Roots, roots};
 use super::slide::slide;
 use crate::box3::Box3;
@@ -299,6 +299,7 @@ impl Work<'_> {
                 hi: upper[d],
             }),
             block: self.block,
+            least: [0, 1].map(|d| self.least(d, square)),
         };
         let judged = self.judge(&place, square);
         let deeper = square.depth < MAX_DEPTH
@@ -331,6 +332,15 @@ impl Work<'_> {
         self.demand.allows(self.out.triangles() as f64)
     }
 
+    /// See [`Place::least`].
+    fn least(&self, d: usize, square: Square) -> f64 {
+        let lines = &self.out.net.lines[d];
+        let cell = (square.corner[d] >> DEPTH) as usize;
+        let near = lines[cell.saturating_sub(1)..(cell + 3).min(lines.len())].windows(2);
+        let least = near.map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+        least / (1u64 << square.depth) as f64
+    }
+
     fn judge(&self, place: &Place, square: Square) -> Judged {
         let jet: Vec<Box3> = self.surface.enclose(place.surroundings(), 2);
         let (jet, proven) = if jet[0].is_finite() {
@@ -359,12 +369,13 @@ impl Work<'_> {
             .iter()
             .map(|r| 2.0 * f64::EPSILON * r.mag() / r.width());
         let grain = grain.fold(0.0, f64::max);
+        let slides = proven && between(place, &jet, tol) <= BETWEEN * self.demand.tol;
         let reach = within_reach(place, &jet);
         let of = |b: &Bound| {
             let (level, deviation) = b.level(tol, grain)?;
             Some((level, deviation, 1.0 - reach / b.error()))
         };
-        let best = bounds(self.surface, place, &jet, proven, tol)
+        let best = bounds(self.surface, place, &jet, proven, slides, tol)
             .iter()
             .filter_map(of)
             .min_by(|a, b| a.0.cmp(&b.0).then(a.2.total_cmp(&b.2)));
@@ -377,7 +388,7 @@ impl Work<'_> {
         // With hardly a bisection if all goes well: measuring says for each number of bisections what the bound says for
         // `level` and more.
         let hopeful = reach <= 2.0 * tol;
-        if proven && level > 0 && level <= LEVELS + 1 && hopeful {
+        if slides && level > 0 && level <= LEVELS + 1 && hopeful {
             let samples = Samples::new(self.surface, place, &jet, tol);
             let open = Side::ALL.map(|side| {
                 let d = index(side.across());

@@ -98,7 +98,6 @@ impl Samples {
             jet[1] *= size[0];
             jet[2] *= size[1];
         }
-        let around = place.surroundings();
         Self {
             jets,
             second: [
@@ -108,8 +107,8 @@ impl Samples {
             ],
             most: BETWEEN * tol,
             room: [0, 1].map(|d| {
-                let (r, a) = (place.uv[d], around[d]);
-                [(a.lo - r.lo) / r.width(), (a.hi - r.lo) / r.width()]
+                let [below, above] = place.room(d);
+                [-below, 1.0 + above]
             }),
         }
     }

@@ -13,16 +13,17 @@
 //!   y and z of `e - r_u e_x / r_u,x`. Likewise at a side `u = const`;
 //! - *anywhere*: `d = 0`. There remains `|e|`.
 //!
-//! **Theorem.** Let τ be at least what remains with what is added, in all squares, let α be at least what is added, and
-//! `p + d` in the domain. Then the two-sided Hausdorff distance between `r(D)` and `L(D)` is at most `τ + α`.
+//! **Theorem.** Let τ be at least what remains with what is added, in all squares, and `p + d` in the domain. Then every
+//! point of the mesh is within τ of the surface. If in every square with `d ≠ 0` also
+//! `½ sup |D²r[w, w]| ≤ α` for all `w` with `|J w| ≤ τ`, then every point of the surface is within `τ + α` of the mesh.
 //!
-//! *Proof.* Every point of the mesh has a partner within τ by what was said. Now let `F(p)` be `{p + d(p)}` inside the
-//! squares and the hull of all choices `p + d_i` on their common sides. The surface over that hull leaves the flat hull of
-//! the points `r(p + d_i)` by at most `½ max sup |D²r[d_i - d_j, d_i - d_j]| / 4`, and as `(d_i - d_j)² ≤ 2 d_i² + 2 d_j²`
-//! for each absolute value, by at most α. `F` is upper semicontinuous with convex values, and maps every side of the domain
-//! into itself, since squares at a side slide along it and those in a corner not at all. So it has continuous selections as
-//! near to its graph as we like (Cellina), of degree 1 on the border; they reach every parameter, and in the limit `F`
-//! does: every point of the surface is within `τ + α` of a point of the mesh. ∎
+//! *Proof.* The first is what was said. Now let `F(p)` be `{p + d(p)}` inside the squares; on the common side of two squares
+//! (their corners are corners of triangles, where `e = 0` and `d = 0`) the segment between both choices `p + d_1` and
+//! `p + d_2`. It lies in the surroundings of the larger square, or of the one with `d ≠ 0` if the other has `d = 0`. As
+//! `|J d_i - e| ≤ τ`, half of `d_1 - d_2` is such a `w`, and the surface over the segment leaves its chord by at most
+//! `⅛ sup |D²r[2w, 2w]| ≤ α`. `F` is upper semicontinuous with convex values, and maps every side of the domain into itself,
+//! since squares at a side slide along it and those in a corner not at all. So it has continuous selections as near to its
+//! graph as we like (Cellina), of degree 1 on the border; they reach every parameter, and in the limit `F` does. ∎
 //!
 //! The components of `e` are bounded as those of any function by its second derivatives `Q` (`bound`): for a corner `p_i`
 //! of a triangle and `p = Σ λ_i p_i`, `e_c(p) = ½ Σ λ_i Q_i[p_i - p]` with `Q_i` a mean over a segment. If `Q` were one
@@ -156,6 +157,9 @@ pub(super) struct Place {
     pub(super) uv: [Interval; 2],
     /// The part of the surface without corners around it.
     pub(super) block: [Interval; 2],
+    /// The sizes of the smallest squares of this depth here and beside: partners of smaller squares are not so far away
+    /// that they leave the surroundings of larger ones.
+    pub(super) least: [f64; 2],
 }
 
 impl Place {
@@ -176,36 +180,59 @@ impl Place {
         })
     }
 
-    /// How far partners may be away along a direction, as a share of the size.
-    fn room(&self, d: usize) -> f64 {
+    /// How far partners may be away beyond the lower and the upper end along a direction, as shares of the size.
+    pub(super) fn room(&self, d: usize) -> [f64; 2] {
         let (r, around) = (self.uv[d], self.surroundings()[d]);
-        (r.lo - around.lo).min(around.hi - r.hi) / r.width()
+        [r.lo - around.lo, around.hi - r.hi].map(|x| x.min(ROOM * self.least[d]) / r.width())
     }
 }
 
-/// A bound for a square of the quadtree, from a jet of order 2 over its surroundings; the best of those that apply.
+/// Bounds for a square of the quadtree, from a jet of order 2 over its surroundings. Partners have other parameters only if
+/// it `slides`.
 pub(super) fn bounds(
     surface: &dyn Surface,
     place: &Place,
     jet: &[Box3],
     proven: bool,
+    slides: bool,
     tol: f64,
 ) -> Vec<Bound> {
     let mut out = vec![plain(place, jet)];
     if !proven {
         return out;
     }
-    let slid = match [0, 1].map(|d| place.touches(d)) {
-        [false, false] => inside(place, jet),
-        [false, true] => along(place, jet, 0),
-        [true, false] => along(place, jet, 1),
-        [true, true] => None,
+    let slid = if !slides {
+        None
+    } else {
+        match [0, 1].map(|d| place.touches(d)) {
+            [false, false] => inside(place, jet),
+            [false, true] => along(place, jet, 0),
+            [true, false] => along(place, jet, 1),
+            [true, true] => None,
+        }
     };
     out.extend(slid);
     if let Some(tip) = tip(surface, place.uv, jet, NEGLIGIBLE * tol) {
         out.push(fan(place, &tip, jet));
     }
     out
+}
+
+/// The greatest α of the theorem for a square in which partners have other parameters.
+pub(super) fn between(place: &Place, jet: &[Box3], tol: f64) -> f64 {
+    let Some(turn) = frame(jet[1].mid(), jet[2].mid()) else {
+        return f64::INFINITY;
+    };
+    let sized = Sized::new(place, jet, &turn);
+    let [a, b] = sized.first;
+    let n = a.cross(b);
+    if !(n.z.lo > 0.0 && n.is_finite()) {
+        return f64::INFINITY;
+    }
+    // `|J w|` is at least the height of each side over the other, times its share.
+    let (u, v) = (tol * b.norm().hi / n.z.lo, tol * a.norm().hi / n.z.lo);
+    let [uu, uv, vv] = sized.norms();
+    0.5 * (uu * u * u + 2.0 * uv * u * v + vv * v * v)
 }
 
 /// The least error that smaller squares could be proven to have without more triangles.
@@ -272,7 +299,7 @@ fn inside(place: &Place, jet: &[Box3]) -> Option<Bound> {
     let within = [sized.form(|x| x.x).error(), sized.form(|x| x.y).error()];
     let flat = |x: Box3| x.x.mag().hypot(x.y.mag());
     let norms = sized.norms();
-    let room = [0, 1].map(|d| place.room(d));
+    let room = [0, 1].map(|d| place.room(d)).map(|[a, b]| a.min(b));
     // How far partners are away along u and v.
     let d = [0, 1].map(|k| {
         let e = within[0][k].hypot(within[1][k]);
@@ -302,10 +329,12 @@ fn along(place: &Place, jet: &[Box3], dir: usize) -> Option<Bound> {
     let of = |k: usize| parts[0][k].hypot(parts[1][k]);
     let away = sized.form(|x| x.x).error().map(|e| e / first.x.lo);
     let second = sized.norms()[2 * dir];
+    let [below, above] = place.room(dir);
+    let room = below.min(above);
     Some(Bound {
         error: [of(0), of(1)],
         added: away.map(|d| 0.5 * second * d * d),
-        slip: away.map(|d| d / place.room(dir)),
+        slip: away.map(|d| d / room),
         shift: 0.0,
     })
 }

@@ -293,10 +293,10 @@ impl Builder<'_> {
             }
         });
         // Those of a list are limits from above.
-        if let Some(jet) = jet.filter(|_| limit == [Limit::Above; 2]) {
-            if let Some(n) = normal_from(self.surface, uv, limit, jet).vector() {
-                return n;
-            }
+        if let Some(jet) = jet.filter(|_| limit == [Limit::Above; 2])
+            && let Some(n) = normal_from(self.surface, uv, limit, jet).vector()
+        {
+            return n;
         }
         let at = |uv: [f64; 2]| normal_at(self.surface, uv, limit).vector();
         at(uv)
