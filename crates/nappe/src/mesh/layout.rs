@@ -353,10 +353,14 @@ impl Work<'_> {
                 None => return Judged::UNKNOWN,
             }
         };
-        let size = jet[0].diagonal();
+        // Points are no farther from each other than the size; and in a mean that has the parameters of a point, first
+        // derivatives count only with their distance from the middle.
+        let [du, dv] = place.uv.map(|r| r.width());
+        let steady = 0.25 * (jet[1].diagonal() * du + jet[2].diagonal() * dv);
+        let size = jet[0].diagonal().min(steady * ROUND_UP);
         let tol = (1.0 - BETWEEN) * self.demand.tol;
         if proven && size <= tol {
-            // All points are that close to each other, whatever the derivatives.
+            // Whatever the second derivatives.
             return Judged {
                 level: Some(0),
                 deviation: size,
