@@ -129,6 +129,8 @@ pub(super) struct Demand {
     /// The surface's index, for messages.
     pub(super) surface: usize,
     pub(super) tol: f64,
+    /// The rounding errors of points.
+    pub(super) rounding: f64,
     /// The fewest cells across each block along u and v.
     pub(super) least: [f64; 2],
     /// The largest number of triangles.
@@ -301,7 +303,7 @@ impl Work<'_> {
             block: self.block,
             least: [0, 1].map(|d| self.least(d, square)),
         };
-        let judged = self.judge(&place, square);
+        let judged = self.judge(&place, square)?;
         let deeper = square.depth < MAX_DEPTH
             && place.uv.iter().all(|r| {
                 let middle = r.lo + 0.5 * r.width();
@@ -317,13 +319,21 @@ impl Work<'_> {
             // Nothing can be said, even about the smallest square.
             _ => {
                 self.out.proven = false;
+                let ends = [0, 1, 2, 3].map(|k| {
+                    self.surface.point([0, 1].map(|d| {
+                        let r = place.uv[d];
+                        [r.lo, r.hi][k >> d & 1]
+                    }))
+                });
+                let size = Box3::around(ends).map_or(0.0, |b| b.diagonal());
+                self.out.deviation = self.out.deviation.max(size);
                 0
             }
         };
+        let deepest = 2 * (DEPTH - square.depth);
+        self.out.proven &= level <= deepest;
         self.demand.allows((2.0f64).powi(level as i32 + 1))?;
-        self.out
-            .net
-            .refine(square, level.min(2 * (DEPTH - square.depth)));
+        self.out.net.refine(square, level.min(deepest));
         self.out.proven &= judged.proven;
         if judged.deviation.is_finite() {
             let between = BETWEEN * self.demand.tol;
@@ -341,16 +351,22 @@ impl Work<'_> {
         least / (1u64 << square.depth) as f64
     }
 
-    fn judge(&self, place: &Place, square: Square) -> Judged {
+    fn judge(&self, place: &Place, square: Square) -> Result<Judged, MeshError> {
         let jet: Vec<Box3> = self.surface.enclose(place.surroundings(), 2);
         let (jet, proven) = if jet[0].is_finite() {
             (jet, true)
         } else if square.depth < PATIENCE {
-            return Judged::UNKNOWN;
+            return Ok(Judged::UNKNOWN);
         } else {
+            // Where there is no surface, smaller squares do not help.
+            let uv = place.uv.map(Interval::mid);
+            if !self.surface.point(uv).is_finite() {
+                let surface = self.demand.surface;
+                return Err(MeshError::NotFinite { surface, uv });
+            }
             match sampled(self.surface, place.uv) {
                 Some(jet) => (jet, false),
-                None => return Judged::UNKNOWN,
+                None => return Ok(Judged::UNKNOWN),
             }
         };
         // Points are no farther from each other than the size; and in a mean that has the parameters of a point, first
@@ -361,19 +377,19 @@ impl Work<'_> {
         let tol = (1.0 - BETWEEN) * self.demand.tol;
         if proven && size <= tol {
             // Whatever the second derivatives.
-            return Judged {
+            return Ok(Judged {
                 level: Some(0),
                 deviation: size,
                 loose: 0.0,
                 proven,
-            };
+            });
         }
         let grain = place
             .uv
             .iter()
             .map(|r| 2.0 * f64::EPSILON * r.mag() / r.width());
         let grain = grain.fold(0.0, f64::max);
-        let slides = proven && between(place, &jet, tol) <= BETWEEN * self.demand.tol;
+        let slides = proven && between(place, &jet, self.demand.tol) <= BETWEEN * self.demand.tol;
         let reach = within_reach(place, &jet);
         let of = |b: &Bound| {
             let (level, deviation) = b.level(tol, grain)?;
@@ -384,10 +400,10 @@ impl Work<'_> {
             .filter_map(of)
             .min_by(|a, b| a.0.cmp(&b.0).then(a.2.total_cmp(&b.2)));
         let Some((mut level, mut deviation, loose)) = best else {
-            return Judged {
+            return Ok(Judged {
                 proven,
                 ..Judged::UNKNOWN
-            };
+            });
         };
         // With hardly a bisection if all goes well: measuring says for each number of bisections what the bound says for
         // `level` and more.
@@ -404,20 +420,23 @@ impl Work<'_> {
                 };
                 on && self.demand.joined[side as usize]
             });
+            // Samples and corners are rounded, and so are their parameters.
+            let along = jet[1].norm().hi * du + jet[2].norm().hi * dv;
+            let rounding = 4.0 * (self.demand.rounding + grain * along);
             for fewer in (0..level).rev() {
-                let error = samples.error(fewer, square.is_even(), open) * ROUND_UP;
+                let error = (samples.error(fewer, square.is_even(), open) + rounding) * ROUND_UP;
                 if error.is_nan() || error > tol {
                     break;
                 }
                 (level, deviation) = (fewer, deviation.max(error));
             }
         }
-        Judged {
+        Ok(Judged {
             level: Some(level),
             deviation,
             loose,
             proven,
-        }
+        })
     }
 }
 

@@ -7,8 +7,8 @@
 //! `r(p + d) - L(p) = Σ λ_s (r(p_s + d_s) - L(p_s)) + [r(Σ λ_s (p_s + d_s)) - Σ λ_s r(p_s + d_s)]`:
 //!
 //! at most the largest of the distances at the samples, which are measured, and the error of interpolation over a part
-//! that is so many times smaller (`bound`). The choice of partners is continuous, also from one triangle to the next, since it
-//! depends on `p_s` and `L(p_s)` alone; it keeps the sides of the domain. So this is one more kind of square in the theorem
+//! that is so many times smaller (`bound`). The choice of partners keeps the sides of the domain; it
+//! depends on `p_s` and `L(p_s)` alone, and so is continuous, but for edges between triangles that are cut into other parts. So this is one more kind of square in the theorem
 //! of `partners`.
 
 use super::partners::{BETWEEN, Place};
@@ -119,7 +119,7 @@ impl Samples {
         let all = all.into_iter();
         // NaN must not get lost.
         all.map(|t| self.triangle(t, parts, open))
-            .fold(0.0, |a, b| if b <= a { a } else { b })
+            .fold(0.0, |a, b| if a.is_nan() || b <= a { a } else { b })
     }
 
     fn triangle(&self, corners: [[usize; 2]; 3], parts: usize, open: [bool; 4]) -> f64 {

@@ -302,6 +302,7 @@ impl Task<'_> {
         let demand = Demand {
             surface: i,
             tol: self.tol - self.rounding[i] - reserve,
+            rounding: self.rounding[i],
             least: self.least_cells(i),
             max: self.options.max_triangles.min(MOST),
             plain,

@@ -17,12 +17,12 @@
 //! point of the mesh is within τ of the surface. If in every square with `d ≠ 0` also
 //! `½ sup |D²r[w, w]| ≤ α` for all `w` with `|J w| ≤ τ`, then every point of the surface is within `τ + α` of the mesh.
 //!
-//! *Proof.* The first is what was said. Now let `F(p)` be `{p + d(p)}` inside the squares; on the common side of two squares
-//! (their corners are corners of triangles, where `e = 0` and `d = 0`) the segment between both choices `p + d_1` and
-//! `p + d_2`. It lies in the surroundings of the larger square, or of the one with `d ≠ 0` if the other has `d = 0`. As
+//! *Proof.* The first is what was said. Now let `F(p)` be `{p + d(p)}`; on the common edge of two triangles, of two squares or
+//! of one, for which partners are chosen differently (at its ends `e = 0` and `d = 0`) the segment between both choices
+//! `p + d_1` and `p + d_2`. It lies in the surroundings of the larger square, or of the one with `d ≠ 0` if the other has `d = 0`. As
 //! `|J d_i - e| ≤ τ`, half of `d_1 - d_2` is such a `w`, and the surface over the segment leaves its chord by at most
 //! `⅛ sup |D²r[2w, 2w]| ≤ α`. `F` is upper semicontinuous with convex values, and maps every side of the domain into itself,
-//! since squares at a side slide along it and those in a corner not at all. So it has continuous selections as near to its
+//! since there partners slide along it. So it has continuous selections as near to its
 //! graph as we like (Cellina), of degree 1 on the border; they reach every parameter, and in the limit `F` does. ∎
 //!
 //! The components of `e` are bounded as those of any function by its second derivatives `Q` (`bound`): for a corner `p_i`

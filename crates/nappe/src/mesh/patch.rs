@@ -240,7 +240,8 @@ impl Builder<'_> {
             return;
         }
         if let Some(normal) = work.normal.filter(|_| check) {
-            let at = p.map(|p| self.place_of(p));
+            // The bound is for triangles with their corners on the surface.
+            let at = corners.map(|c| self.surface.point(c.uv));
             self.turned_over |= !is_turned(at, normal, self.rounding);
         }
         let triangle = [0, 1, 2].map(|k| {

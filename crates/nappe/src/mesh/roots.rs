@@ -182,16 +182,12 @@ pub(super) fn roots(surface: &dyn Surface, blocks: &[Vec<Interval>; 2], demand: 
     let mut strips = [0, 1].map(|d| {
         let each = blocks[d].iter().enumerate();
         each.map(|(k, &block)| {
-            let along = grids.iter().enumerate().filter(|(i, _)| {
-                let at = [i / blocks[1].len(), i % blocks[1].len()];
-                at[d] == k
-            });
-            common(
-                block,
-                d,
-                along.filter_map(|(_, g)| g.as_ref()),
-                demand.least[d],
-            )
+            let columns = blocks[1].len();
+            let along: Vec<&Grid> = match d {
+                0 => grids[k * columns..][..columns].iter().flatten().collect(),
+                _ => grids.iter().skip(k).step_by(columns).flatten().collect(),
+            };
+            common(block, d, &along, demand.least[d])
         })
         .collect::<Vec<_>>()
     });
@@ -208,21 +204,16 @@ pub(super) fn roots(surface: &dyn Surface, blocks: &[Vec<Interval>; 2], demand: 
 }
 
 /// The cells along direction `d` that are small enough for several grids.
-fn common<'a>(
-    block: Interval,
-    d: usize,
-    grids: impl Iterator<Item = &'a Grid> + Clone,
-    least: f64,
-) -> Vec<Interval> {
+fn common(block: Interval, d: usize, grids: &[&Grid], least: f64) -> Vec<Interval> {
     // The numbers of parts divide each other.
-    let count = grids.clone().map(|g| g.cells[d].len()).fold(1, usize::max);
+    let count = grids.iter().map(|g| g.cells[d].len()).fold(1, usize::max);
     let part = |(k, part): (usize, Interval)| {
-        let share = |g: &Grid| {
+        let share = |g: &&Grid| {
             let together = count / g.cells[d].len();
-            (g.cells[d][k / together] / together as f64).ceil()
+            (g.cells[d][(k / together).min(g.cells[d].len() - 1)] / together as f64).ceil()
         };
         let n = grids
-            .clone()
+            .iter()
             .map(share)
             .fold((least / count as f64).ceil(), f64::max);
         Range::new(part).parts(n as usize)
@@ -271,6 +262,7 @@ fn halve(
     tol: f64,
 ) {
     for d in [0, 1, 0, 1] {
+        let mut total = strips[d].iter().map(Vec::len).sum::<usize>();
         for k in 0..blocks[d].len() {
             // All blocks across this one that have no grid.
             let open: Vec<Interval> = (0..blocks[1 - d].len())
@@ -283,15 +275,17 @@ fn halve(
             if open.is_empty() {
                 continue;
             }
+            total -= strips[d][k].len();
             let mut todo: Vec<Interval> = strips[d][k].iter().rev().copied().collect();
             let mut done = Vec::with_capacity(todo.len());
             while let Some(strip) = todo.pop() {
-                let room = done.len() + todo.len() < MOST;
+                let room = total + done.len() + todo.len() < MOST;
                 match halves(surface, strip, &open, d, tol).filter(|_| room) {
                     Some([a, b]) => todo.extend([b, a]),
                     None => done.push(strip),
                 }
             }
+            total += done.len();
             strips[d][k] = done;
         }
     }
