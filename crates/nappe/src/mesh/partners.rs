@@ -46,7 +46,7 @@ use glam::{DMat3, DVec3};
 /// The neighbourhood of a square in which partners are looked for, as a share of its size.
 const ROOM: f64 = 1.0 / 16.0;
 /// The share of the tolerance that is left for points between the partners of different squares.
-pub(super) const BETWEEN: f64 = 1.0 / 32.0;
+pub(super) const BETWEEN: f64 = 1.0 / 8.0;
 
 /// A bound for the triangles that are `2 k` times (index 0) or `2 k + 1` times (1) bisected: `error / 4^k + added / 16^k`,
 /// if `slip / 4^k ≤ 1`.
