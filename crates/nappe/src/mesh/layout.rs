@@ -1,8 +1,8 @@
 //! The division of a surface's domain into triangles of the plane of its parameters.
 //!
 //! The domain is cut where the surface is not C¹. Each of these blocks gets a net of lines (`roots`), and each of their
-//! cells is bisected (`bisection`) as often as the bound of its squares says (`partners`), unless the whole block is proven
-//! as a grid (`bound`, `slide`).
+//! cells is bisected (`bisection`) as often as its squares need (`partners`, `measured`), unless the whole block is proven as
+//! a grid (`bound`, `slide`).
 
 use super::bisection::{Bisection, DEPTH, Square};
 use super::bound::{Bend, ROUND_UP, sampled};
@@ -28,31 +28,20 @@ const LOOSE: f64 = 0.2;
 /// A grid with so few cells needs no sharper bound.
 const FEW: f64 = 2.0;
 
-/// A range of parameters that is cut into equal parts.
-#[derive(Clone, Copy)]
-pub(super) struct Range(Interval);
-
-impl Range {
-    pub(super) fn new(range: Interval) -> Self {
-        Self(range)
-    }
-
-    /// `n` parts. Equal fractions give equal parameters, since a division is correctly rounded: neighbours agree on those
-    /// that they share.
-    pub(super) fn parts(self, n: usize) -> Vec<Interval> {
-        let Self(r) = self;
-        let at = |i: usize| match i {
-            0 => r.lo,
-            _ if i == n => r.hi,
-            _ => (r.lo + (r.hi - r.lo) * (i as f64 / n as f64)).clamp(r.lo, r.hi),
-        };
-        let parts = (0..n).map(|i| Interval {
-            lo: at(i),
-            hi: at(i + 1),
-        });
-        // Parts as small as rounding are none.
-        parts.filter(|p| p.lo < p.hi).collect()
-    }
+/// Cuts a range of parameters into `n` equal parts. Equal fractions give equal parameters, since a division is correctly
+/// rounded: neighbours agree on those that they share.
+pub(super) fn parts(range: Interval, n: usize) -> Vec<Interval> {
+    let at = |i: usize| match i {
+        0 => range.lo,
+        _ if i == n => range.hi,
+        _ => (range.lo + (range.hi - range.lo) * (i as f64 / n as f64)).clamp(range.lo, range.hi),
+    };
+    let all = (0..n).map(|i| Interval {
+        lo: at(i),
+        hi: at(i + 1),
+    });
+    // Parts as small as rounding are none.
+    all.filter(|p| p.lo < p.hi).collect()
 }
 
 /// The division of one surface.
@@ -91,9 +80,7 @@ impl Layout {
     pub(super) fn triangles(&self) -> usize {
         2 * self.net.places.len()
     }
-}
 
-impl Layout {
     /// Puts a vertex into the middle of each cell at a corner of the domain where a triangle would have further vertices on
     /// two sides, or where `pinched` (by [`Corner`]) says that no triangle may have all its corners on sides. `is_open` is
     /// true for a side with further vertices between two parameters, and for one that is one point.

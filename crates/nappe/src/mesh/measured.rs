@@ -1,19 +1,19 @@
 //! How far the triangles of one square are from the surface: measured at samples, bounded between them.
 //!
 //! The bound of `partners` multiplies the greatest derivatives with the greatest turns of the normal. In squares of a few
-//! triangles that says several times too much. Here each triangle is cut into up to [`K`]² equal ones; their corners `p_s` get
-//! partners `p_s + d_s` like there, and the partner of `p = Σ λ_s p_s` is `p + Σ λ_s d_s`. As `L` is linear,
+//! triangles that says several times too much. Here each triangle is cut into up to [`K`]² equal ones; their corners `p_s`
+//! get partners `p_s + d_s` like there, and the partner of `p = Σ λ_s p_s` is `p + Σ λ_s d_s`. As `L` is linear,
 //!
 //! `r(p + d) - L(p) = Σ λ_s (r(p_s + d_s) - L(p_s)) + [r(Σ λ_s (p_s + d_s)) - Σ λ_s r(p_s + d_s)]`:
 //!
 //! at most the largest of the distances at the samples, which are measured, and the error of interpolation over a part
-//! that is so many times smaller (`bound`). The choice of partners keeps the sides of the domain; it
-//! depends on `p_s` and `L(p_s)` alone, and so is continuous, but for edges between triangles that are cut into other parts. So this is one more kind of square in the theorem
-//! of `partners`.
+//! that is so many times smaller (`bound`). The choice of partners keeps the sides of the domain; it depends on `p_s` and
+//! `L(p_s)` alone, and so is continuous, but for edges between triangles that are cut into other parts. So this is one more
+//! kind of square in the theorem of `partners`.
 
-use super::partners::{BETWEEN, Place};
+use super::lines::inwards;
+use super::partners::{BETWEEN, Place, greatest};
 use crate::box3::Box3;
-use crate::breaks::Limit;
 use crate::surface::{Surface, jet_len};
 use glam::DVec3;
 
@@ -84,14 +84,7 @@ impl Samples {
             // Derivatives from inside the block.
             let uv = us.iter().flat_map(|&u| vs.iter().map(move |&v| [u, v]));
             for (uv, jet) in uv.zip(&mut jets) {
-                let limit = [0, 1].map(|d| {
-                    if uv[d] >= place.block[d].hi {
-                        Limit::Below
-                    } else {
-                        Limit::Above
-                    }
-                });
-                surface.jet_into(uv, limit, 1, jet);
+                surface.jet_into(uv, inwards(uv, place.block), 1, jet);
             }
         }
         for jet in &mut jets {
@@ -166,20 +159,15 @@ impl Samples {
             let extent = all.iter().max().unwrap_or(&0) - all.iter().min().unwrap_or(&0);
             extent as f64 / (2 * K * parts) as f64 + uneven[d]
         });
-        let added = 0.5 * self.form(far);
+        let added = 0.5 * greatest(self.second, far);
         if added <= self.most {
             // Further vertices on an edge move the points of the triangle by no more than the edge leaves the surface.
-            let between = 0.125 * self.form(size);
+            let between = 0.125 * greatest(self.second, size);
             let moved = edge.map_or(0.0, |e| e + between);
             worst + added + between + moved
         } else {
             f64::INFINITY
         }
-    }
-
-    fn form(&self, [u, v]: [f64; 2]) -> f64 {
-        let [uu, uv, vv] = self.second;
-        uu * u * u + 2.0 * uv * u * v + vv * v * v
     }
 
     /// The way to the partner of a sample, as shares of the square: what lies in the tangent plane, but not out of the room

@@ -131,8 +131,8 @@ const SAMPLES: usize = 16;
 /// without area. Triangles are counter-clockwise around `r_u × r_v`. Flat and straight directions are not cut: a plane
 /// has two triangles, a cylinder is cut around but not along its axis.
 ///
-/// Each patch states the deviation reached: [`Certainty::Bounded`] is a proof from enclosed second derivatives, see the
-/// theorem in `mesh/bound.rs`; [`Certainty::Estimated`] means that a surface could not enclose itself somewhere, and
+/// Each patch states the deviation reached: [`Certainty::Bounded`] is a proof from enclosed derivatives, see the theorems
+/// in `mesh/partners.rs`, `measured.rs` and `slide.rs`; [`Certainty::Estimated`] means that a surface could not enclose itself somewhere, and
 /// samples were used. Vertices are computed in floating point; for their rounding errors 10⁻¹³ of the largest coordinate
 /// is included, the accuracy to which every surface is held. The same input gives the same mesh, byte for byte, on any
 /// number of threads; each works on one surface at a time.

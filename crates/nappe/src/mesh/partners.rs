@@ -17,13 +17,13 @@
 //! point of the mesh is within τ of the surface. If in every square with `d ≠ 0` also
 //! `½ sup |D²r[w, w]| ≤ α` for all `w` with `|J w| ≤ τ`, then every point of the surface is within `τ + α` of the mesh.
 //!
-//! *Proof.* The first is what was said. Now let `F(p)` be `{p + d(p)}`; on the common edge of two triangles, of two squares or
-//! of one, for which partners are chosen differently (at its ends `e = 0` and `d = 0`) the segment between both choices
-//! `p + d_1` and `p + d_2`. It lies in the surroundings of the larger square, or of the one with `d ≠ 0` if the other has `d = 0`. As
-//! `|J d_i - e| ≤ τ`, half of `d_1 - d_2` is such a `w`, and the surface over the segment leaves its chord by at most
-//! `⅛ sup |D²r[2w, 2w]| ≤ α`. `F` is upper semicontinuous with convex values, and maps every side of the domain into itself,
-//! since there partners slide along it. So it has continuous selections as near to its
-//! graph as we like (Cellina), of degree 1 on the border; they reach every parameter, and in the limit `F` does. ∎
+//! *Proof.* The first is what was said. Now let `F(p)` be `{p + d(p)}`; on the common edge of two triangles, of two squares
+//! or of one, for which partners are chosen differently (at its ends `e = 0` and `d = 0`) the segment between both choices
+//! `p + d_1` and `p + d_2`. It lies in the surroundings of the larger square, or of the one with `d ≠ 0` if the other has
+//! `d = 0`. As `|J d_i - e| ≤ τ`, half of `d_1 - d_2` is such a `w`, and the surface over the segment leaves its chord by at
+//! most `⅛ sup |D²r[2w, 2w]| ≤ α`. `F` is upper semicontinuous with convex values, and maps every side of the domain into
+//! itself, since there partners slide along it. So it has continuous selections as near to its graph as we like (Cellina),
+//! of degree 1 on the border; they reach every parameter, and in the limit `F` does. ∎
 //!
 //! The components of `e` are bounded as those of any function by its second derivatives `Q` (`bound`): for a corner `p_i`
 //! of a triangle and `p = Σ λ_i p_i`, `e_c(p) = ½ Σ λ_i Q_i[p_i - p]` with `Q_i` a mean over a segment. If `Q` were one
@@ -37,11 +37,11 @@
 //! `⅛ sup|r_vv| v²`, and the end by the bound of an edge. This is `d = 0` with other parameters of the same mesh.
 
 use super::bound::ROUND_UP;
-use super::slide::{NEGLIGIBLE, Tip, tip};
+use super::slide::{NEGLIGIBLE, Tip, frame, tip};
 use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::surface::Surface;
-use glam::{DMat3, DVec3};
+use glam::DMat3;
 
 /// The neighbourhood of a square in which partners are looked for, as a share of its size.
 const ROOM: f64 = 1.0 / 16.0;
@@ -218,6 +218,11 @@ pub(super) fn bounds(
     out
 }
 
+/// The greatest `|D²r[w, w]|` for steps of at most u and v, from the norms of second derivatives.
+pub(super) fn greatest([uu, uv, vv]: [f64; 3], [u, v]: [f64; 2]) -> f64 {
+    uu * u * u + 2.0 * uv * u * v + vv * v * v
+}
+
 /// The greatest α of the theorem for a square in which partners have other parameters.
 pub(super) fn between(place: &Place, jet: &[Box3], tol: f64) -> f64 {
     let Some(turn) = frame(jet[1].mid(), jet[2].mid()) else {
@@ -231,8 +236,7 @@ pub(super) fn between(place: &Place, jet: &[Box3], tol: f64) -> f64 {
     }
     // `|J w|` is at least the height of each side over the other, times its share.
     let (u, v) = (tol * b.norm().hi / n.z.lo, tol * a.norm().hi / n.z.lo);
-    let [uu, uv, vv] = sized.norms();
-    0.5 * (uu * u * u + 2.0 * uv * u * v + vv * v * v)
+    0.5 * greatest(sized.norms(), [u, v])
 }
 
 /// The least error that smaller squares could be proven to have without more triangles.
@@ -307,7 +311,7 @@ fn inside(place: &Place, jet: &[Box3]) -> Option<Bound> {
     });
     Some(Bound {
         error: across.error(),
-        added: d.map(|[u, v]| 0.5 * (norms[0] * u * u + 2.0 * norms[1] * u * v + norms[2] * v * v)),
+        added: d.map(|[u, v]| 0.5 * greatest(norms, [u, v])),
         slip: d.map(|[u, v]| (u / room[0]).max(v / room[1])),
         shift: 0.0,
     })
@@ -351,13 +355,6 @@ fn fan(place: &Place, tip: &Tip, jet: &[Box3]) -> Bound {
         slip: [0.0; 2],
         shift: 2.0 * tip.size,
     }
-}
-
-/// Rows: along `first`, across it in the plane of both, along the normal.
-fn frame(first: DVec3, second: DVec3) -> Option<DMat3> {
-    let normal = first.cross(second).try_normalize()?;
-    let first = first.try_normalize()?;
-    Some(DMat3::from_cols(first, normal.cross(first).normalize(), normal).transpose())
 }
 
 #[cfg(test)]

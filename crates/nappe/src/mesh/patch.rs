@@ -7,7 +7,7 @@
 
 use super::bisection::Place;
 use super::layout::Layout;
-use super::lines::{Key, index, key};
+use super::lines::{Key, index, inwards, key};
 use super::options::MeshError;
 use super::slide::is_turned;
 use super::stitch::Border;
@@ -286,13 +286,7 @@ impl Builder<'_> {
         jet: Option<&[DVec3; 3]>,
         range: [Interval; 2],
     ) -> DVec3 {
-        let limit = [0, 1].map(|d| {
-            if uv[d] >= range[d].hi {
-                Limit::Below
-            } else {
-                Limit::Above
-            }
-        });
+        let limit = inwards(uv, range);
         // Those of a list are limits from above.
         if let Some(jet) = jet.filter(|_| limit == [Limit::Above; 2])
             && let Some(n) = normal_from(self.surface, uv, limit, jet).vector()

@@ -6,7 +6,7 @@
 //! are halved as long as samples of the second derivatives say that this saves cells.
 
 use super::bound::Bend;
-use super::layout::{Demand, Range, grid_bound};
+use super::layout::{Demand, grid_bound, parts};
 use crate::interval::Interval;
 use crate::surface::{Surface, jet_len};
 use glam::DVec3;
@@ -47,7 +47,7 @@ impl Grid {
         count: [usize; 2],
         demand: &Demand,
     ) -> Option<Self> {
-        let parts = [0, 1].map(|d| Range::new(uv[d]).parts(count[d]));
+        let parts = [0, 1].map(|d| parts(uv[d], count[d]));
         let mut cells = [0, 1].map(|d| vec![1.0f64; parts[d].len()]);
         let mut bends = Vec::with_capacity(count[0] * count[1]);
         let least = [0, 1].map(|d| (demand.least[d] / count[d] as f64).ceil());
@@ -216,10 +216,9 @@ fn common(block: Interval, d: usize, grids: &[&Grid], least: f64) -> Vec<Interva
             .iter()
             .map(share)
             .fold((least / count as f64).ceil(), f64::max);
-        Range::new(part).parts(n as usize)
+        parts(part, n as usize)
     };
-    Range::new(block)
-        .parts(count)
+    parts(block, count)
         .into_iter()
         .enumerate()
         .flat_map(part)

@@ -86,10 +86,8 @@ pub(super) fn slide(
         None => [jet[1], jet[2]],
     };
     let (a, b) = (along_u.mid(), along_v.mid());
-    let normal = a.cross(b).try_normalize()?;
-    let first = a.try_normalize()?;
-    // Rows: along u, across it in the plane, along the normal.
-    let turn = DMat3::from_cols(first, normal.cross(first).normalize(), normal).transpose();
+    let turn = frame(a, b)?;
+    let normal = turn.row(2);
     let turned = |b: Box3| b.linear_image(&turn);
     let across = turned(along_u).cross(turned(along_v));
     let least = across.z.lo;
@@ -129,6 +127,13 @@ pub(super) fn slide(
         }),
         ..straight
     })
+}
+
+/// Rows: along `first`, across it in the plane of both, along the normal.
+pub(super) fn frame(first: DVec3, second: DVec3) -> Option<DMat3> {
+    let normal = first.cross(second).try_normalize()?;
+    let first = first.try_normalize()?;
+    Some(DMat3::from_cols(first, normal.cross(first).normalize(), normal).transpose())
 }
 
 /// Where the first and the second derivatives along u and along v stand in a jet.
