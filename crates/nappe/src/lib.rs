@@ -73,6 +73,7 @@ pub mod scalar;
 pub mod series;
 pub mod surface;
 
+mod ball;
 mod box3;
 mod breaks;
 mod frame;

@@ -7,14 +7,16 @@
 use super::bisection::{Bisection, DEPTH, Square};
 use super::bound::{Bend, ROUND_UP, sampled};
 use super::lines::index;
-use super::measured::{LEVELS, Samples};
+use super::measured::{LEVELS, PARTS, Samples};
 use super::options::MeshError;
-use super::partners::{BETWEEN, Bound, Place, between, bounds, within_reach};
+use super::partners::{BETWEEN, Bound, Framed, Place, bounds};
+use super::pieces::{Enclosed, Pieces};
 use super::roots::{Grid, Roots, roots};
 use super::slide::slide;
 use crate::box3::Box3;
 use crate::breaks::Breaks;
 use crate::interval::Interval;
+use crate::parallel;
 use crate::surface::{Corner, Dir, Side, Surface};
 use glam::DVec3;
 
@@ -23,8 +25,10 @@ const MAX_DEPTH: u32 = DEPTH - 4;
 /// The depth at which a surface that cannot bound its position is sampled. Less, and surfaces whose enclosures are merely
 /// loose over large rectangles are not proven; more, and surfaces that never bound themselves cost much.
 const PATIENCE: u32 = 4;
-/// A square whose bound has at most this share from the variation of its derivatives is not looked at more closely.
-const LOOSE: f64 = 0.2;
+/// Squares that need more bisections than this are better looked at in parts than enclosed sharply.
+const FAR: u32 = LEVELS + 2;
+/// The shares of a block that several threads work on.
+const SHARES: usize = 16;
 /// A grid with so few cells needs no sharper bound.
 const FEW: f64 = 2.0;
 
@@ -122,6 +126,8 @@ pub(super) struct Demand {
     pub(super) least: [f64; 2],
     /// The largest number of triangles.
     pub(super) max: usize,
+    /// The threads that may work on it at once.
+    pub(super) threads: usize,
     /// True if only partners with the same parameters may be compared over blocks, so that the triangles may turn anyhow.
     pub(super) plain: bool,
     /// The sides that may get further vertices.
@@ -179,23 +185,18 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
     ];
     let Roots { lines, grids } = roots(surface, &blocks, demand);
     demand.allows(2.0 * lines[0].len() as f64 * lines[1].len() as f64)?;
-    let mut work = Work {
-        surface,
-        demand,
-        block: [Interval::ZERO; 2],
-        out: Layout {
-            blocks,
-            net: Bisection::new(lines),
-            regions: Vec::new(),
-            deviation: 0.0,
-            proven: true,
-        },
+    let mut out = Layout {
+        blocks,
+        net: Bisection::new(lines),
+        regions: Vec::new(),
+        deviation: 0.0,
+        proven: true,
     };
-    let [nu, nv] = [0, 1].map(|d| work.out.blocks[d].len());
+    let [nu, nv] = [0, 1].map(|d| out.blocks[d].len());
     for (i, j) in (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j))) {
-        work.block([i, j], grids[i * nv + j].as_ref())?;
+        out.add_block(surface, demand, [i, j], grids[i * nv + j].as_ref())?;
     }
-    Ok(work.out)
+    Ok(out)
 }
 
 impl Demand {
@@ -210,60 +211,66 @@ impl Demand {
     }
 }
 
-/// A layout in the making.
-struct Work<'a> {
-    surface: &'a dyn Surface,
-    demand: &'a Demand,
-    /// The block at hand.
-    block: [Interval; 2],
-    out: Layout,
-}
-
-impl Work<'_> {
-    fn block(&mut self, at: [usize; 2], grid: Option<&Grid>) -> Result<(), MeshError> {
-        self.block = [0, 1].map(|d| self.out.blocks[d][at[d]]);
-        if let Some((regions, deviation)) = grid.and_then(|g| self.proven(at, g)) {
-            self.out.regions.extend(regions);
-            self.out.deviation = self.out.deviation.max(deviation);
+impl Layout {
+    fn add_block(
+        &mut self,
+        surface: &dyn Surface,
+        demand: &Demand,
+        at: [usize; 2],
+        grid: Option<&Grid>,
+    ) -> Result<(), MeshError> {
+        if let Some((regions, deviation)) = grid.and_then(|g| self.proven(at, g, demand.tol)) {
+            self.regions.extend(regions);
+            self.deviation = self.deviation.max(deviation);
             return Ok(());
         }
+        let block = [0, 1].map(|d| self.blocks[d][at[d]]);
         let region = Region {
             block: at,
-            cells: [0, 1].map(|d| self.cells(d, self.block[d])),
+            cells: [0, 1].map(|d| self.cells(d, block[d])),
             normal: None,
         };
-        for cell in region.each() {
-            let mut open = vec![Square::cell(cell)];
-            while let Some(square) = open.pop() {
-                self.square(square, &mut open)?;
+        let cells: Vec<[usize; 2]> = region.each().collect();
+        let size = cells
+            .len()
+            .div_ceil(if demand.threads > 1 { SHARES } else { 1 });
+        let shares: Vec<_> = cells.chunks(size.max(1)).collect();
+        let work = |k: usize| Work::new(surface, demand, &self.net, block).run(shares[k]);
+        for found in parallel::each(demand.threads, shares.len(), work, Result::is_err) {
+            let found = found?;
+            for (square, levels) in found.squares {
+                self.net.refine(square, levels);
             }
+            self.deviation = self.deviation.max(found.deviation);
+            self.proven &= found.proven;
+            demand.allows(self.triangles() as f64)?;
         }
-        self.out.regions.push(region);
+        self.regions.push(region);
         Ok(())
     }
 
     /// The cells between two lines.
     fn cells(&self, d: usize, part: Interval) -> std::ops::Range<usize> {
-        let number = |at: f64| self.out.net.lines[d].partition_point(|&t| t < at);
+        let number = |at: f64| self.net.lines[d].partition_point(|&t| t < at);
         number(part.lo)..number(part.hi)
     }
 
     /// The parts of a grid with their largest deviation, if the lines cut all into small enough cells.
-    fn proven(&self, block: [usize; 2], grid: &Grid) -> Option<(Vec<Region>, f64)> {
+    fn proven(&self, block: [usize; 2], grid: &Grid, tol: f64) -> Option<(Vec<Region>, f64)> {
         let [us, vs] = &grid.parts;
         let parts = us.iter().flat_map(|&u| vs.iter().map(move |&v| [u, v]));
         let (mut regions, mut worst) = (Vec::new(), 0.0f64);
         for (part, bend) in parts.zip(&grid.bends) {
             let cells = [0, 1].map(|d| self.cells(d, part[d]));
             let fewest = [0, 1].map(|d| {
-                let lines = self.out.net.lines[d].get(cells[d].start..=cells[d].end)?;
+                let lines = self.net.lines[d].get(cells[d].start..=cells[d].end)?;
                 // Lines of other grids may not stop here.
                 let fits = lines.first() == Some(&part[d].lo) && lines.last() == Some(&part[d].hi);
                 let widest = lines.windows(2).map(|w| w[1] - w[0]).fold(0.0, f64::max);
                 fits.then(|| part[d].width() / widest)
             });
             let deviation = bend.deviation(fewest[0]?, fewest[1]?);
-            if deviation.is_nan() || deviation > self.demand.tol {
+            if deviation.is_nan() || deviation > tol {
                 return None;
             }
             worst = worst.max(deviation);
@@ -275,13 +282,64 @@ impl Work<'_> {
         }
         Some((regions, worst))
     }
+}
+
+/// The work on some cells of a block: it needs the lines of the net alone.
+struct Work<'a> {
+    surface: &'a dyn Surface,
+    demand: &'a Demand,
+    net: &'a Bisection,
+    pieces: Pieces<'a>,
+    block: [Interval; 2],
+    found: Found,
+}
+
+/// What some cells need.
+struct Found {
+    /// How often the triangles of squares are to be bisected.
+    squares: Vec<(Square, u32)>,
+    /// About the number of triangles.
+    triangles: f64,
+    deviation: f64,
+    proven: bool,
+}
+
+impl<'a> Work<'a> {
+    fn new(
+        surface: &'a dyn Surface,
+        demand: &'a Demand,
+        net: &'a Bisection,
+        block: [Interval; 2],
+    ) -> Self {
+        Self {
+            surface,
+            demand,
+            net,
+            pieces: Pieces::new(surface, demand.tol),
+            block,
+            found: Found {
+                squares: Vec::new(),
+                triangles: 0.0,
+                deviation: 0.0,
+                proven: true,
+            },
+        }
+    }
+
+    fn run(mut self, cells: &[[usize; 2]]) -> Result<Found, MeshError> {
+        let mut open = Vec::new();
+        for &cell in cells {
+            open.push(Square::cell(cell));
+            while let Some(square) = open.pop() {
+                self.square(square, &mut open)?;
+            }
+        }
+        Ok(self.found)
+    }
 
     /// Refines a square, or leaves that to its children.
     fn square(&mut self, square: Square, open: &mut Vec<Square>) -> Result<(), MeshError> {
-        let (lower, upper) = (
-            self.out.net.uv(square.corner),
-            self.out.net.uv(square.upper()),
-        );
+        let (lower, upper) = (self.net.uv(square.corner), self.net.uv(square.upper()));
         let place = Place {
             uv: [0, 1].map(|d| Interval {
                 lo: lower[d],
@@ -297,15 +355,15 @@ impl Work<'_> {
                 r.lo < middle && middle < r.hi
             });
         let level = match judged.level {
-            Some(level) if level <= 1 || judged.loose <= LOOSE || !deeper => level,
+            Some(level) if level <= 1 || judged.least >= level || !deeper => level,
             _ if deeper => {
-                self.out.net.refine(square, 2);
+                self.found.squares.push((square, 2));
                 open.extend(square.children());
-                return self.demand.allows(self.out.triangles() as f64);
+                return self.demand.allows(2.0 * self.found.squares.len() as f64);
             }
             // Nothing can be said, even about the smallest square.
             _ => {
-                self.out.proven = false;
+                self.found.proven = false;
                 let ends = [0, 1, 2, 3].map(|k| {
                     self.surface.point([0, 1].map(|d| {
                         let r = place.uv[d];
@@ -313,35 +371,43 @@ impl Work<'_> {
                     }))
                 });
                 let size = Box3::around(ends).map_or(0.0, |b| b.diagonal());
-                self.out.deviation = self.out.deviation.max(size);
+                self.found.deviation = self.found.deviation.max(size);
                 0
             }
         };
         let deepest = 2 * (DEPTH - square.depth);
-        self.out.proven &= level <= deepest;
-        self.demand.allows((2.0f64).powi(level as i32 + 1))?;
-        self.out.net.refine(square, level.min(deepest));
-        self.out.proven &= judged.proven;
+        self.found.proven &= level <= deepest;
+        self.found.triangles += (2.0f64).powi(level as i32 + 1);
+        self.found.squares.push((square, level.min(deepest)));
+        self.found.proven &= judged.proven;
         if judged.deviation.is_finite() {
             let between = BETWEEN * self.demand.tol;
-            self.out.deviation = self.out.deviation.max(judged.deviation + between);
+            self.found.deviation = self.found.deviation.max(judged.deviation + between);
         }
-        self.demand.allows(self.out.triangles() as f64)
+        self.demand.allows(self.found.triangles)
     }
 
     /// See [`Place::least`].
     fn least(&self, d: usize, square: Square) -> f64 {
-        let lines = &self.out.net.lines[d];
+        let lines = &self.net.lines[d];
         let cell = (square.corner[d] >> DEPTH) as usize;
         let near = lines[cell.saturating_sub(1)..(cell + 3).min(lines.len())].windows(2);
         let least = near.map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
         least / (1u64 << square.depth) as f64
     }
 
-    fn judge(&self, place: &Place, square: Square) -> Result<Judged, MeshError> {
-        let jet: Vec<Box3> = self.surface.enclose(place.surroundings(), 2);
-        let (jet, proven) = if jet[0].is_finite() {
-            (jet, true)
+    fn judge(&mut self, place: &Place, square: Square) -> Result<Judged, MeshError> {
+        let around = place.surroundings();
+        let mut enclosed = self.pieces.enclose(around);
+        let coarse = Framed::new(place, &enclosed.jet).is_some_and(|f| {
+            let reach = f.within_reach().level(self.demand.tol, 0.0);
+            reach.is_some_and(|r| r.0 > FAR)
+        });
+        if !(enclosed.sharp || coarse) {
+            enclosed = enclosed.sharpened(self.surface, around);
+        }
+        let (enclosed, proven) = if enclosed.jet[0].is_finite() {
+            (enclosed, true)
         } else if square.depth < PATIENCE {
             return Ok(Judged::UNKNOWN);
         } else {
@@ -352,10 +418,11 @@ impl Work<'_> {
                 return Err(MeshError::NotFinite { surface, uv });
             }
             match sampled(self.surface, place.uv) {
-                Some(jet) => (jet, false),
+                Some(jet) => (Enclosed::from(jet), false),
                 None => return Ok(Judged::UNKNOWN),
             }
         };
+        let jet = &enclosed.jet;
         // Points are no farther from each other than the size; and in a mean that has the parameters of a point, first
         // derivatives count only with their distance from the middle.
         let [du, dv] = place.uv.map(|r| r.width());
@@ -367,7 +434,7 @@ impl Work<'_> {
             return Ok(Judged {
                 level: Some(0),
                 deviation: size,
-                loose: 0.0,
+                least: 0,
                 proven,
             });
         }
@@ -376,17 +443,19 @@ impl Work<'_> {
             .iter()
             .map(|r| 2.0 * f64::EPSILON * r.mag() / r.width());
         let grain = grain.fold(0.0, f64::max);
-        let slides = proven && between(place, &jet, self.demand.tol) <= BETWEEN * self.demand.tol;
-        let reach = within_reach(place, &jet);
+        let framed = Framed::new(place, jet);
+        let reach = framed.as_ref().map(Framed::within_reach);
+        let slides = |f: &Framed| proven && f.between(self.demand.tol) <= BETWEEN * self.demand.tol;
+        let framed = framed.filter(slides);
         let of = |b: &Bound| {
             let (level, deviation) = b.level(tol, grain)?;
-            Some((level, deviation, 1.0 - reach / b.error()))
+            Some((level, deviation))
         };
-        let best = bounds(self.surface, place, &jet, proven, slides, tol)
+        let best = bounds(self.surface, place, &enclosed, proven, framed.as_ref(), tol)
             .iter()
             .filter_map(of)
-            .min_by(|a, b| a.0.cmp(&b.0).then(a.2.total_cmp(&b.2)));
-        let Some((mut level, mut deviation, loose)) = best else {
+            .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let Some((mut level, mut deviation)) = best else {
             return Ok(Judged {
                 proven,
                 ..Judged::UNKNOWN
@@ -394,9 +463,8 @@ impl Work<'_> {
         };
         // With hardly a bisection if all goes well: measuring says for each number of bisections what the bound says for
         // `level` and more.
-        let hopeful = reach <= 2.0 * tol;
-        if slides && level > 0 && level <= LEVELS + 1 && hopeful {
-            let samples = Samples::new(self.surface, place, &jet, tol);
+        let least = reach.and_then(|r| r.level(tol, grain)).map_or(0, |r| r.0);
+        if framed.is_some() && level > least && level <= LEVELS + 1 && least <= 1 {
             let open = Side::ALL.map(|side| {
                 let d = index(side.across());
                 let (place, domain) = (place.uv[d], self.surface.domain()[d]);
@@ -410,18 +478,25 @@ impl Work<'_> {
             // Samples and corners are rounded, and so are their parameters.
             let along = jet[1].norm().hi * du + jet[2].norm().hi * dv;
             let rounding = 4.0 * (self.demand.rounding + grain * along);
-            for fewer in (0..level).rev() {
-                let error = (samples.error(fewer, square.is_even(), open) + rounding) * ROUND_UP;
-                if error.is_nan() || error > tol {
+            for parts in PARTS {
+                if level <= least {
                     break;
                 }
-                (level, deviation) = (fewer, deviation.max(error));
+                let samples = Samples::new(self.surface, place, jet, parts, tol);
+                for fewer in (0..level).rev() {
+                    let error = samples.error(fewer, square.is_even(), open) + rounding;
+                    let error = error * ROUND_UP;
+                    if error.is_nan() || error > tol {
+                        break;
+                    }
+                    (level, deviation) = (fewer, deviation.max(error));
+                }
             }
         }
         Ok(Judged {
             level: Some(level),
             deviation,
-            loose,
+            least,
             proven,
         })
     }
@@ -432,8 +507,8 @@ struct Judged {
     /// The bisections that it needs.
     level: Option<u32>,
     deviation: f64,
-    /// The share of the bound that smaller squares would save.
-    loose: f64,
+    /// The bisections that it would need at best.
+    least: u32,
     proven: bool,
 }
 
@@ -441,7 +516,7 @@ impl Judged {
     const UNKNOWN: Self = Self {
         level: None,
         deviation: f64::INFINITY,
-        loose: 1.0,
+        least: 0,
         proven: false,
     };
 }

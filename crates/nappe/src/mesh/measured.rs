@@ -19,16 +19,16 @@ use glam::DVec3;
 
 /// The most parts of a triangle's edge.
 const K: usize = 8;
-/// Samples along the edges of a square: triangles around its centre have corners in the middle.
-const SIDE: usize = 2 * K + 1;
+/// The parts that are tried: few are often enough.
+pub(super) const PARTS: [usize; 2] = [K / 2, K];
 
 /// The most bisections that can be measured: smaller triangles have too few samples.
 pub(super) const LEVELS: u32 = 4;
 
 /// The triangles of a square after some bisections, in steps of samples, with the parts of their edges. The diagonal leads
 /// up if the lower corner is even.
-fn triangles(level: u32, even: bool) -> (Vec<[[usize; 2]; 3]>, usize) {
-    let [a, b, c, d] = [[0, 0], [2 * K, 0], [2 * K, 2 * K], [0, 2 * K]];
+fn triangles(level: u32, even: bool, k: usize) -> (Vec<[[usize; 2]; 3]>, usize) {
+    let [a, b, c, d] = [[0, 0], [2 * k, 0], [2 * k, 2 * k], [0, 2 * k]];
     let mut all = if even {
         vec![[b, c, a], [d, a, c]]
     } else {
@@ -42,17 +42,20 @@ fn triangles(level: u32, even: bool) -> (Vec<[[usize; 2]; 3]>, usize) {
         all = all.into_iter().flat_map(halves).collect();
     }
     // Corners of parts are samples: the right angle of an odd triangle is half as far away as the others.
-    let parts = ((2 * K) >> level.div_ceil(2)).min(K);
+    let parts = ((2 * k) >> level.div_ceil(2)).min(k);
     (all, parts)
 }
 
-/// True if a sample is on one of the marked sides.
-fn is_on([i, j]: [usize; 2], [south, north, west, east]: [bool; 4]) -> bool {
-    (south && j == 0) || (north && j + 1 == SIDE) || (west && i == 0) || (east && i + 1 == SIDE)
+/// True if one of so many samples along each side is on one of the marked sides.
+fn is_on([i, j]: [usize; 2], wide: usize, [south, north, west, east]: [bool; 4]) -> bool {
+    (south && j == 0) || (north && j + 1 == wide) || (west && i == 0) || (east && i + 1 == wide)
 }
 
 /// The samples of a square.
 pub(super) struct Samples {
+    /// The most parts of a triangle's edge: there are twice as many along the sides of the square, since triangles around
+    /// its centre have corners in the middle.
+    k: usize,
     /// The point and the derivatives along the sides of the square, v fastest.
     jets: Vec<[DVec3; 3]>,
     /// The greatest second derivatives along the sides of the square.
@@ -65,18 +68,25 @@ pub(super) struct Samples {
 
 impl Samples {
     /// Takes the samples; `jet` is an enclosure of order 2 over the surroundings.
-    pub(super) fn new(surface: &dyn Surface, place: &Place, jet: &[Box3], tol: f64) -> Self {
+    pub(super) fn new(
+        surface: &dyn Surface,
+        place: &Place,
+        jet: &[Box3],
+        k: usize,
+        tol: f64,
+    ) -> Self {
+        let wide = 2 * k + 1;
         let size = place.uv.map(|r| r.width());
         let params = place.uv.map(|r| -> Vec<f64> {
-            (0..SIDE)
+            (0..wide)
                 .map(|k| match k {
                     0 => r.lo,
-                    _ if k + 1 == SIDE => r.hi,
-                    _ => r.lo + r.width() * (k as f64 / (SIDE - 1) as f64),
+                    _ if k + 1 == wide => r.hi,
+                    _ => r.lo + r.width() * (k as f64 / (wide - 1) as f64),
                 })
                 .collect()
         });
-        let mut jets = vec![[DVec3::ZERO; jet_len(1)]; SIDE * SIDE];
+        let mut jets = vec![[DVec3::ZERO; jet_len(1)]; wide * wide];
         let [us, vs] = &params;
         if surface.domain() == place.block {
             surface.grid_jets(us, vs, 1, jets.as_flattened_mut());
@@ -92,6 +102,7 @@ impl Samples {
             jet[2] *= size[1];
         }
         Self {
+            k,
             jets,
             second: [
                 jet[3].norm().hi * size[0] * size[0],
@@ -108,7 +119,7 @@ impl Samples {
 
     /// The bound for the triangles after at most [`LEVELS`] bisections; sides marked may get further vertices.
     pub(super) fn error(&self, level: u32, even: bool, open: [bool; 4]) -> f64 {
-        let (all, parts) = triangles(level, even);
+        let (all, parts) = triangles(level, even, self.k);
         let all = all.into_iter();
         // NaN must not get lost.
         all.map(|t| self.triangle(t, parts, open))
@@ -116,7 +127,7 @@ impl Samples {
     }
 
     fn triangle(&self, corners: [[usize; 2]; 3], parts: usize, open: [bool; 4]) -> f64 {
-        let at = |[i, j]: [usize; 2]| &self.jets[i * SIDE + j];
+        let at = |[i, j]: [usize; 2]| &self.jets[i * (2 * self.k + 1) + j];
         let tips = corners.map(|c| at(c)[0]);
         let (mut worst, mut edge) = (0.0f64, None);
         let (mut far, mut uneven) = ([0.0f64; 2], [0.0f64; 2]);
@@ -136,7 +147,7 @@ impl Samples {
                     return f64::INFINITY;
                 }
                 worst = worst.max(distance);
-                if is_on(place, open) {
+                if is_on(place, 2 * self.k + 1, open) {
                     edge = Some(e.length().max(edge.unwrap_or(0.0)));
                 }
                 for k in 0..2 {
@@ -157,7 +168,7 @@ impl Samples {
         let size = [0, 1].map(|d| {
             let all = corners.map(|c| c[d]);
             let extent = all.iter().max().unwrap_or(&0) - all.iter().min().unwrap_or(&0);
-            extent as f64 / (2 * K * parts) as f64 + uneven[d]
+            extent as f64 / (2 * self.k * parts) as f64 + uneven[d]
         });
         let added = 0.5 * greatest(self.second, far);
         if added <= self.most {
@@ -173,7 +184,7 @@ impl Samples {
     /// The way to the partner of a sample, as shares of the square: what lies in the tangent plane, but not out of the room
     /// and not away from a side of the block.
     fn partner(&self, place: [usize; 2], [_, a, b]: &[DVec3; 3], e: DVec3) -> [f64; 2] {
-        let at = place.map(|k| k as f64 / (SIDE - 1) as f64);
+        let at = place.map(|k| k as f64 / (2 * self.k) as f64);
         let held = [0, 1].map(|d| self.room[d].contains(&at[d]));
         let d = match held {
             [true, true] => [0.0; 2],

@@ -35,6 +35,7 @@ mod options;
 mod partial;
 mod partners;
 mod patch;
+mod pieces;
 mod roots;
 pub(crate) mod shared;
 mod slide;
@@ -305,6 +306,11 @@ impl Task<'_> {
             rounding: self.rounding[i],
             least: self.least_cells(i),
             max: self.options.max_triangles.min(MOST),
+            threads: if self.surfaces.len() < 2 * self.threads {
+                self.threads
+            } else {
+                1
+            },
             plain,
             joined: self.shared.joined(i),
         };

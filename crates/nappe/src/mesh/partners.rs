@@ -37,22 +37,28 @@
 //! `⅛ sup|r_vv| v²`, and the end by the bound of an edge. This is `d = 0` with other parameters of the same mesh.
 
 use super::bound::ROUND_UP;
+use super::pieces::{Enclosed, Local};
 use super::slide::{NEGLIGIBLE, Tip, frame, tip};
+use crate::ball::{Ball, Ball3};
 use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::surface::Surface;
-use glam::DMat3;
+use glam::{DMat3, DVec3};
+use smallvec::{SmallVec, smallvec};
 
 /// The neighbourhood of a square in which partners are looked for, as a share of its size.
 const ROOM: f64 = 1.0 / 16.0;
 /// The share of the tolerance that is left for points between the partners of different squares.
 pub(super) const BETWEEN: f64 = 1.0 / 8.0;
 
-/// A bound for the triangles that are `2 k` times (index 0) or `2 k + 1` times (1) bisected: `error / 4^k + added / 16^k`,
-/// if `slip / 4^k ≤ 1`.
-#[derive(Clone, Copy, Debug)]
+/// A bound for the triangles that are `L = 2 k` times (index 0) or `L = 2 k + 1` times (1) bisected, with `q = 1 / 2^k`:
+/// `q² (error + skew + cubic q) + added q⁴ + shift`, if `slip q² ≤ 1`.
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Bound {
     error: [f64; 2],
+    /// What the linear change of second derivatives along u and along v adds at the border of the square.
+    skew: [[f64; 2]; 2],
+    cubic: f64,
     added: [f64; 2],
     slip: [f64; 2],
     /// What is lost whatever the triangles.
@@ -60,19 +66,33 @@ pub(super) struct Bound {
 }
 
 impl Bound {
-    /// The bound of the error before any bisection.
-    pub(super) fn error(&self) -> f64 {
-        self.error[0]
-    }
-
     /// The bound after some bisections; `None` if partners are too far away for it.
     fn deviation(&self, level: u32, grain: f64, tol: f64) -> Option<f64> {
-        let (k, odd) = (level / 2, level as usize % 2);
-        let size = (0.5f64).powi(k as i32) + grain;
-        let s = size * size;
-        let added = self.added[odd] * s * s;
-        (self.slip[odd] * s <= 1.0 && added <= BETWEEN * tol)
-            .then(|| (self.error[odd] * s + added + self.shift) * ROUND_UP)
+        let odd = level as usize % 2;
+        let q = share(level) + grain;
+        let added = self.added[odd] * q.powi(4);
+        if self.slip[odd] * q * q > 1.0 || added > BETWEEN * tol {
+            return None;
+        }
+        // Smaller triangles may be nearer to where second derivatives are greater; from the second bisection on, they all
+        // are.
+        let here = self.linear(level, grain, 1.0 - share(level) + grain);
+        let next = self.linear(level + 1, grain, 1.0 - share(level + 1) + grain);
+        let all = self.linear(level + 2, grain, 1.0);
+        Some((here.max(next).max(all) + added + self.shift) * ROUND_UP)
+    }
+
+    /// For triangles with the middles of their longest sides that share of the way to the border.
+    fn linear(&self, level: u32, grain: f64, away: f64) -> f64 {
+        let (q, odd) = (share(level) + grain, level as usize % 2);
+        let [u, v] = self.skew[odd];
+        let skew = if odd == 0 {
+            away * (u + v)
+        } else {
+            // Their longest sides lie on lines of smaller squares, perhaps on the border.
+            (u + away * v).max(away * u + v)
+        };
+        q * q * (self.error[odd] + skew + self.cubic * q)
     }
 
     /// The fewest bisections that keep a tolerance, with the bound after these.
@@ -84,8 +104,13 @@ impl Bound {
     }
 }
 
+/// The size of the triangles' legs, as a share of the square's, after an even number of bisections.
+fn share(level: u32) -> f64 {
+    (0.5f64).powi(level as i32 / 2)
+}
+
 /// The second derivatives of a function along the sides of a rectangle: `uu Δu²`, `uv Δu Δv`, `vv Δv²`.
-struct Form([Interval; 3]);
+struct Form([Ball; 3]);
 
 /// The sides of the triangles that are an even and an odd number of times bisected, in units of the rectangle.
 const SIDES: [[[[f64; 2]; 3]; 2]; 2] = [
@@ -110,9 +135,9 @@ fn popoviciu([uu, uv, vv]: [f64; 3]) -> [f64; 2] {
 impl Form {
     /// The greatest error of interpolation, for triangles that are an even and an odd number of times bisected.
     fn error(&self) -> [f64; 2] {
-        let [u, c, v] = self.0.map(Interval::mid);
-        let radius = self.0.map(|i| 0.5 * i.width() * ROUND_UP);
-        let (mean, half) = (0.5 * (u + v), (0.5 * (u - v)).hypot(c));
+        let [u, c, v] = self.0.map(|q| q.mid);
+        let radius = self.0.map(|q| q.rad);
+        let (mean, half) = (0.5 * (u + v), length2(0.5 * (u - v), c));
         let (upper, lower) = (mean + half, mean - half);
         let middle = SIDES.map(|kinds| {
             let of = |sides: [[f64; 2]; 3]| {
@@ -136,6 +161,11 @@ impl Form {
         let rest = popoviciu(radius);
         [0, 1].map(|k| middle[k] + rest[k])
     }
+}
+
+/// Quicker than what avoids overflow: beyond that there is no bound.
+fn length2(x: f64, y: f64) -> f64 {
+    (x * x + y * y).sqrt()
 }
 
 /// The greatest error of linear interpolation of a convex quadratic function on a triangle, from the squares of its sides
@@ -187,31 +217,130 @@ impl Place {
     }
 }
 
-/// Bounds for a square of the quadtree, from a jet of order 2 over its surroundings. Partners have other parameters only if
-/// it `slides`.
+/// What is known about a square of the quadtree, in a frame whose z is about normal; from an enclosure over its
+/// surroundings.
+pub(super) struct Framed {
+    turn: DMat3,
+    sized: Sized,
+    normal: Ball3,
+}
+
+impl Framed {
+    /// `None` if the normal cannot be shown to stay on one side.
+    pub(super) fn new(place: &Place, jet: &[Box3]) -> Option<Self> {
+        let turn = frame(jet[1].mid(), jet[2].mid())?;
+        let sized = Sized::new(place, jet, &turn);
+        let [a, b] = sized.first;
+        let normal = a.cross(b);
+        (normal.z.lo() > 0.0 && normal.length().is_finite()).then_some(Self {
+            turn,
+            sized,
+            normal,
+        })
+    }
+
+    /// The greatest α of the theorem if partners have other parameters here.
+    pub(super) fn between(&self, tol: f64) -> f64 {
+        let [a, b] = self.sized.first;
+        let least = self.normal.z.lo();
+        // `|J w|` is at least the height of each side over the other, times its share.
+        let (u, v) = (tol * b.length() / least, tol * a.length() / least);
+        0.5 * greatest(self.sized.norms(), [u, v]) * ROUND_UP
+    }
+
+    /// What could be said at best if the derivatives were constant.
+    pub(super) fn within_reach(&self) -> Bound {
+        Bound {
+            error: self.sized.form(|x| Ball::point(x.z.mid)).error(),
+            ..Bound::default()
+        }
+    }
+
+    /// Partners along the normal.
+    fn inside(&self, place: &Place, local: Option<&Local>) -> Bound {
+        let Self {
+            turn,
+            sized,
+            normal,
+        } = self;
+        let least = normal.z.lo();
+        let [mx, my] = [normal.x.mag() / least, normal.y.mag() / least];
+        let within = [sized.form(|x| x.x).error(), sized.form(|x| x.y).error()];
+        let mut bound = match local {
+            Some(local) => cubic(place, local, turn),
+            None => Bound {
+                error: sized.form(|x| x.z).error(),
+                ..Bound::default()
+            },
+        };
+        let [a, b] = sized.first.map(|x| length2(x.x.mag(), x.y.mag()));
+        let norms = sized.norms();
+        let room = [0, 1].map(|d| place.room(d)).map(|[a, b]| a.min(b));
+        for k in 0..2 {
+            bound.error[k] += mx * within[0][k] + my * within[1][k];
+            // How far partners are away along u and v.
+            let e = length2(within[0][k], within[1][k]);
+            let [u, v] = [e * b / least, e * a / least];
+            bound.added[k] = 0.5 * greatest(norms, [u, v]);
+            bound.slip[k] = (u / room[0]).max(v / room[1]);
+        }
+        bound
+    }
+}
+
+/// What is left of z where second derivatives change about linearly.
+fn cubic(place: &Place, local: &Local, turn: &DMat3) -> Bound {
+    let size = [0, 1].map(|d| place.uv[d].width() / local.half[d] * ROUND_UP);
+    let z = turn.row(2);
+    let of = |(i, j): (usize, usize), x: DVec3| {
+        size[0].powi(i as i32) * size[1].powi(j as i32) * z.dot(x)
+    };
+    const SECOND: [(usize, usize); 3] = [(2, 0), (1, 1), (0, 2)];
+    let middle = [0, 1, 2].map(|k| Ball {
+        mid: of(SECOND[k], local.second[k]),
+        rad: size[0].powi(2 - k as i32) * size[1].powi(k as i32) * z.abs().dot(local.rest[k]),
+    });
+    let third: [f64; 4] = std::array::from_fn(|k| of((3 - k, k), local.third[k]).abs() * ROUND_UP);
+    // The middles of longest sides are at most half a square away from its middle.
+    let [u, v] =
+        [0, 1].map(|k| popoviciu([0.5 * third[k], 0.5 * third[k + 1], 0.5 * third[k + 2]]));
+    let [uuu, uuv, uvv, vvv] = third;
+    Bound {
+        error: Form(middle).error(),
+        skew: [0, 1].map(|k| [u[k], v[k]]),
+        cubic: CUBE * (uuu + vvv) + MIXED * (uuv + uvv),
+        ..Bound::default()
+    }
+}
+
+/// The greatest errors of linear interpolation of x³/6 and of x² y/2 on the triangles, with x = y = 0 in the middle of the
+/// longest side and legs of length 1 or √½: those of x/24 - x³/6 and y (¼ - x²)/2 (`√3/216` and ⅟16).
+const CUBE: f64 = 0.00802;
+const MIXED: f64 = 0.0625;
+
+/// Bounds for a square of the quadtree, from an enclosure over its surroundings. Partners have other parameters only if
+/// it is `framed`.
 pub(super) fn bounds(
     surface: &dyn Surface,
     place: &Place,
-    jet: &[Box3],
+    enclosed: &Enclosed,
     proven: bool,
-    slides: bool,
+    framed: Option<&Framed>,
     tol: f64,
-) -> Vec<Bound> {
-    let mut out = vec![plain(place, jet)];
+) -> SmallVec<[Bound; 3]> {
+    let jet = &enclosed.jet;
+    let mut out = smallvec![plain(place, jet)];
     if !proven {
         return out;
     }
-    let slid = if !slides {
-        None
-    } else {
+    if let Some(framed) = framed {
         match [0, 1].map(|d| place.touches(d)) {
-            [false, false] => inside(place, jet),
-            [false, true] => along(place, jet, 0),
-            [true, false] => along(place, jet, 1),
-            [true, true] => None,
+            [false, false] => out.push(framed.inside(place, enclosed.local.as_ref())),
+            [false, true] => out.extend(along(place, jet, 0)),
+            [true, false] => out.extend(along(place, jet, 1)),
+            [true, true] => {}
         }
-    };
-    out.extend(slid);
+    }
     if let Some(tip) = tip(surface, place.uv, jet, NEGLIGIBLE * tol) {
         out.push(fan(place, &tip, jet));
     }
@@ -223,53 +352,28 @@ pub(super) fn greatest([uu, uv, vv]: [f64; 3], [u, v]: [f64; 2]) -> f64 {
     uu * u * u + 2.0 * uv * u * v + vv * v * v
 }
 
-/// The greatest α of the theorem for a square in which partners have other parameters.
-pub(super) fn between(place: &Place, jet: &[Box3], tol: f64) -> f64 {
-    let Some(turn) = frame(jet[1].mid(), jet[2].mid()) else {
-        return f64::INFINITY;
-    };
-    let sized = Sized::new(place, jet, &turn);
-    let [a, b] = sized.first;
-    let n = a.cross(b);
-    if !(n.z.lo > 0.0 && n.is_finite()) {
-        return f64::INFINITY;
-    }
-    // `|J w|` is at least the height of each side over the other, times its share.
-    let (u, v) = (tol * b.norm().hi / n.z.lo, tol * a.norm().hi / n.z.lo);
-    0.5 * greatest(sized.norms(), [u, v])
-}
-
-/// The least error that smaller squares could be proven to have without more triangles.
-pub(super) fn within_reach(place: &Place, jet: &[Box3]) -> f64 {
-    let Some(turn) = frame(jet[1].mid(), jet[2].mid()) else {
-        return 0.0;
-    };
-    let sized = Sized::new(place, jet, &turn);
-    sized.form(|x| Interval::point(x.z.mid())).error()[0]
-}
-
 /// The derivatives along the sides of the rectangle, in a frame.
 struct Sized {
-    first: [Box3; 2],
-    second: [Box3; 3],
+    first: [Ball3; 2],
+    second: [Ball3; 3],
 }
 
 impl Sized {
     fn new(place: &Place, jet: &[Box3], turn: &DMat3) -> Self {
         let [du, dv] = place.uv.map(|i| i.width() * ROUND_UP);
-        let of = |k: usize, size: f64| jet[k].scale(Interval::point(size)).linear_image(turn);
+        let of = |k: usize, size: f64| Ball3::from(jet[k]).scale(size).image(turn);
         Self {
             first: [of(1, du), of(2, dv)],
             second: [of(3, du * du), of(4, du * dv), of(5, dv * dv)],
         }
     }
 
-    fn form(&self, component: impl Fn(Box3) -> Interval) -> Form {
+    fn form(&self, component: impl Fn(Ball3) -> Ball) -> Form {
         Form(self.second.map(component))
     }
 
     fn norms(&self) -> [f64; 3] {
-        self.second.map(|b| b.norm().hi)
+        self.second.map(Ball3::length)
     }
 }
 
@@ -277,44 +381,12 @@ impl Sized {
 fn plain(place: &Place, jet: &[Box3]) -> Bound {
     let sized = Sized::new(place, jet, &DMat3::IDENTITY);
     let parts = [0, 1, 2].map(|c| sized.form(|b| b.to_array()[c]).error());
-    let [sum, norms] = [
-        [0, 1].map(|k| parts[0][k].hypot(parts[1][k]).hypot(parts[2][k])),
-        popoviciu(sized.norms()),
-    ];
+    let norms = popoviciu(sized.norms());
+    let sum = [0, 1].map(|k| length2(length2(parts[0][k], parts[1][k]), parts[2][k]));
     Bound {
         error: [0, 1].map(|k| if sum[k] <= norms[k] { sum[k] } else { norms[k] }),
-        added: [0.0; 2],
-        slip: [0.0; 2],
-        shift: 0.0,
+        ..Bound::default()
     }
-}
-
-/// Partners along the normal.
-fn inside(place: &Place, jet: &[Box3]) -> Option<Bound> {
-    let sized = Sized::new(place, jet, &frame(jet[1].mid(), jet[2].mid())?);
-    let [a, b] = sized.first;
-    let n = a.cross(b);
-    let least = n.z.lo;
-    if !(least > 0.0 && n.is_finite()) {
-        return None;
-    }
-    let (mx, my) = (n.x / n.z, n.y / n.z);
-    let across = sized.form(|x| x.z + mx * x.x + my * x.y);
-    let within = [sized.form(|x| x.x).error(), sized.form(|x| x.y).error()];
-    let flat = |x: Box3| x.x.mag().hypot(x.y.mag());
-    let norms = sized.norms();
-    let room = [0, 1].map(|d| place.room(d)).map(|[a, b]| a.min(b));
-    // How far partners are away along u and v.
-    let d = [0, 1].map(|k| {
-        let e = within[0][k].hypot(within[1][k]);
-        [e * flat(b) / least, e * flat(a) / least]
-    });
-    Some(Bound {
-        error: across.error(),
-        added: d.map(|[u, v]| 0.5 * greatest(norms, [u, v])),
-        slip: d.map(|[u, v]| (u / room[0]).max(v / room[1])),
-        shift: 0.0,
-    })
 }
 
 /// Partners along a side that runs along u (0) or v (1).
@@ -322,24 +394,21 @@ fn along(place: &Place, jet: &[Box3], dir: usize) -> Option<Bound> {
     let directions = [jet[1].mid(), jet[2].mid()];
     let sized = Sized::new(place, jet, &frame(directions[dir], directions[1 - dir])?);
     let first = sized.first[dir];
-    if !(first.x.lo > 0.0 && first.is_finite()) {
+    let least = first.x.lo();
+    if !(least > 0.0 && first.length().is_finite()) {
         return None;
     }
-    let (ty, tz) = (first.y / first.x, first.z / first.x);
-    let parts = [
-        sized.form(|x| x.y - ty * x.x).error(),
-        sized.form(|x| x.z - tz * x.x).error(),
-    ];
-    let of = |k: usize| parts[0][k].hypot(parts[1][k]);
-    let away = sized.form(|x| x.x).error().map(|e| e / first.x.lo);
+    let [ty, tz] = [first.y.mag() / least, first.z.mag() / least];
+    let [x, y, z] = [0, 1, 2].map(|c| sized.form(|b| b.to_array()[c]).error());
+    let away = x.map(|e| e / least);
     let second = sized.norms()[2 * dir];
     let [below, above] = place.room(dir);
     let room = below.min(above);
     Some(Bound {
-        error: [of(0), of(1)],
+        error: [0, 1].map(|k| length2(y[k] + ty * x[k], z[k] + tz * x[k])),
         added: away.map(|d| 0.5 * second * d * d),
         slip: away.map(|d| d / room),
-        shift: 0.0,
+        ..Bound::default()
     })
 }
 
@@ -351,14 +420,14 @@ fn fan(place: &Place, tip: &Tip, jet: &[Box3]) -> Bound {
     let error = 0.125 * (uu + 2.0 * uv + vv + ray);
     Bound {
         error: [error; 2],
-        added: [0.0; 2],
-        slip: [0.0; 2],
         shift: 2.0 * tip.size,
+        ..Bound::default()
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::bisection::{Bisection, Square};
     use super::*;
     use crate::laws::Random;
 
@@ -394,7 +463,7 @@ mod tests {
         let mut tight = 0;
         for _ in 0..300 {
             let q = [0; 3].map(|_| 2.0 * random.unit() - 1.0);
-            let bound = Form(q.map(Interval::point)).error();
+            let bound = Form(q.map(Ball::point)).error();
             for (kinds, bound) in TRIANGLES.iter().zip(bound) {
                 let found = kinds.map(|t| sampled(q, t));
                 let worst = found[0].max(found[1]);
@@ -415,5 +484,70 @@ mod tests {
             }
         }
         assert!(tight > 400, "{tight} of 600 bounds are nearly reached");
+    }
+    /// The greatest error of interpolation on all triangles of a square after some bisections.
+    fn bisected(f: impl Fn([f64; 2]) -> f64, level: u32) -> f64 {
+        let lines = [vec![-0.5, 0.5], vec![-0.5, 0.5]];
+        let mut net = Bisection::new(lines);
+        net.refine(Square::cell([0, 0]), level);
+        let mut worst = 0.0f64;
+        net.triangles([0, 0], |t| {
+            let corners = t.map(|k| net.uv(net.places[k as usize]));
+            for i in 0..=12 {
+                for j in 0..=12 - i {
+                    let l = [i, j, 12 - i - j].map(|k| f64::from(k) / 12.0);
+                    let at = [0, 1].map(|d| (0..3).map(|k| l[k] * corners[k][d]).sum());
+                    let linear: f64 = (0..3).map(|k| l[k] * f(corners[k])).sum();
+                    worst = worst.max((linear - f(at)).abs());
+                }
+            }
+        });
+        worst
+    }
+
+    #[test]
+    fn errors_of_cubic_functions_are_bounded_for_all_bisections() {
+        let unit = Interval::new(-0.5, 0.5);
+        let place = Place {
+            uv: [unit; 2],
+            block: [Interval::new(-9.0, 9.0); 2],
+            least: [1.0; 2],
+        };
+        let mut random = Random(23);
+        let mut tight = 0;
+        for round in 0..200 {
+            let mut number = |size: f64| size * (2.0 * random.unit() - 1.0);
+            // Also where the quadratic part is nothing, where one derivative is all, and where the rest counts.
+            let sizes = [[1.0, 1.0], [1.0, 0.2], [0.0, 1.0], [1.0, 6.0]][round % 4];
+            let q = [0; 3].map(|_| number(sizes[0]));
+            let mut c = [0; 4].map(|_| number(sizes[1]));
+            if round % 3 == 0 {
+                c = std::array::from_fn(|k| if k == round % 4 { c[k] } else { 0.0 });
+            }
+            let local = Local {
+                half: [1.0; 2],
+                second: q.map(|q| q * DVec3::Z),
+                third: c.map(|c| c * DVec3::Z),
+                rest: [DVec3::ZERO; 3],
+            };
+            let f = |[x, y]: [f64; 2]| {
+                let quadratic = 0.5 * (q[0] * x * x + 2.0 * q[1] * x * y + q[2] * y * y);
+                let [a, b, c, d] = c;
+                let cubic = a * x * x * x + 3.0 * (b * x * x * y + c * x * y * y) + d * y * y * y;
+                quadratic + cubic / 6.0
+            };
+            let bound = cubic(&place, &local, &DMat3::IDENTITY);
+            let found: Vec<f64> = (0..7).map(|level| bisected(f, level)).collect();
+            for level in 0..6 {
+                let bound = bound.deviation(level, 0.0, f64::INFINITY).unwrap();
+                // Further bisections need no other bound.
+                let worst = found[level as usize..]
+                    .iter()
+                    .fold(0.0, |a: f64, &b| a.max(b));
+                assert!(worst <= bound, "{q:?} {c:?} {level}: {worst} > {bound}");
+                tight += usize::from(worst > 0.7 * bound);
+            }
+        }
+        assert!(tight > 400, "{tight} of 1200 bounds are nearly reached");
     }
 }

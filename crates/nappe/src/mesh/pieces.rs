@@ -1,0 +1,466 @@
+//! Enclosures over many small rectangles, from Taylor polynomials over larger ones.
+//!
+//! Over a rectangle Q in which the surface is analytic, with the middle m,
+//!
+//! `r(p) ∈ Σ_{|a| ≤ n} ∂ᵃ r(m) (p - m)ᵃ / a!`, with the derivatives of order n taken from all of Q.
+//!
+//! So one enclosure of order n serves all parts of Q: the polynomial is moved to the middle of the part, where its range is
+//! plain to see. If what is not known of the highest derivatives is too much for that, Q is quartered. To begin with, Q is
+//! a piece of the surface. The answer for a rectangle does not depend on those asked for before.
+
+use super::bound::ROUND_UP;
+use super::partners::greatest;
+use crate::box3::Box3;
+use crate::breaks::{Breaks, Limit, Part};
+use crate::interval::Interval;
+use crate::surface::{Dir, Surface, jet_index, jet_len};
+use glam::DVec3;
+
+/// The order of Taylor's formula: of two cubic sides nothing is left.
+const ORDER: usize = 6;
+/// Pieces along each direction that are enclosed together.
+const TILE: usize = 16;
+/// A rectangle over more pieces is enclosed as a whole.
+const PIECES: usize = 64;
+/// The most pieces that are kept.
+const KEPT: usize = 1 << 15;
+/// The share of derivatives that what is not known of them may be.
+const SHARE: f64 = 1.0 / 64.0;
+/// Likewise for what only the hull of the part itself tells.
+const LOOSE: f64 = 1.0 / 16.0;
+/// Rounding errors as a share of the sum of absolute terms: there are at most so many operations between a term and a sum.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+const DIRS: [Dir; 2] = [Dir::U, Dir::V];
+
+/// A surface whose enclosures are prepared.
+pub(super) struct Pieces<'a> {
+    surface: &'a dyn Surface,
+    tol: f64,
+    /// For each tile of pieces, v fastest, its pieces, v fastest.
+    tiles: Vec<Option<Vec<Piece>>>,
+    kept: usize,
+}
+
+impl<'a> Pieces<'a> {
+    /// Enclosures that tell what a mesh within `tol` needs.
+    pub(super) fn new(surface: &'a dyn Surface, tol: f64) -> Self {
+        let tiles = DIRS.map(|d| surface.breaks(d).pieces().div_ceil(TILE));
+        Self {
+            surface,
+            tol,
+            tiles: vec![None; tiles[0] * tiles[1]],
+            kept: 0,
+        }
+    }
+
+    /// Encloses the jet of order 2 over a rectangle.
+    pub(super) fn enclose(&mut self, uv: [Interval; 2]) -> Enclosed {
+        let range = [0, 1].map(|d| {
+            let breaks = self.surface.breaks(DIRS[d]);
+            breaks.find(uv[d].lo, Limit::Above)..breaks.find(uv[d].hi, Limit::Below) + 1
+        });
+        if range[0].len() * range[1].len() > PIECES {
+            return Enclosed::direct(self.surface, uv);
+        }
+        if self.kept > KEPT {
+            self.tiles.fill(None);
+            self.kept = 0;
+        }
+        let mut hull = None;
+        for (i, j) in range[0]
+            .clone()
+            .flat_map(|i| range[1].clone().map(move |j| (i, j)))
+        {
+            let (surface, tol) = (self.surface, self.tol);
+            let (piece, kept) = self.piece([i, j]);
+            piece.join(surface, uv, tol, kept, &mut hull);
+        }
+        hull.unwrap_or_else(|| Enclosed::direct(self.surface, uv))
+    }
+
+    /// A piece, and the number of those that are kept.
+    fn piece(&mut self, at: [usize; 2]) -> (&mut Piece, &mut usize) {
+        let count = DIRS.map(|d| self.surface.breaks(d).pieces());
+        let tile = at.map(|k| k / TILE);
+        let within = [0, 1].map(|d| tile[d] * TILE..count[d].min((tile[d] + 1) * TILE));
+        let number = tile[0] * count[1].div_ceil(TILE) + tile[1];
+        let tile = self.tiles[number].get_or_insert_with(|| {
+            let parts = [0, 1].map(|d| -> Vec<Interval> {
+                let breaks = self.surface.breaks(DIRS[d]);
+                within[d].clone().map(|k| breaks.piece(k)).collect()
+            });
+            self.kept += parts[0].len() * parts[1].len();
+            Piece::all(self.surface, parts)
+        });
+        let place = (at[0] - within[0].start) * within[1].len() + at[1] - within[1].start;
+        (&mut tile[place], &mut self.kept)
+    }
+}
+
+/// What is known about a rectangle.
+pub(super) struct Enclosed {
+    /// The jet of order 2.
+    pub(super) jet: Jet<Box3>,
+    /// If it lies in one piece.
+    pub(super) local: Option<Local>,
+    /// True if the surface's own enclosure would not tell more.
+    pub(super) sharp: bool,
+}
+
+impl Enclosed {
+    fn direct(surface: &dyn Surface, uv: [Interval; 2]) -> Self {
+        Self::from(surface.enclose(uv, 2))
+    }
+
+    /// With what the surface's own enclosure tells.
+    pub(super) fn sharpened(self, surface: &dyn Surface, uv: [Interval; 2]) -> Self {
+        let direct = Self::direct(surface, uv);
+        Self {
+            jet: std::array::from_fn(|k| direct.jet[k].meet(self.jet[k])),
+            sharp: true,
+            ..self
+        }
+    }
+}
+
+impl From<Vec<Box3>> for Enclosed {
+    fn from(jet: Vec<Box3>) -> Self {
+        Self {
+            jet: std::array::from_fn(|k| jet[k]),
+            local: None,
+            sharp: true,
+        }
+    }
+}
+
+/// The derivatives in the middle of a rectangle.
+pub(super) struct Local {
+    /// The unit of parameters along u and v.
+    pub(super) half: [f64; 2],
+    /// `uu`, `uv`, `vv`.
+    pub(super) second: [DVec3; 3],
+    /// `uuu`, `uuv`, `uvv`, `vvv`.
+    pub(super) third: [DVec3; 4],
+    /// How much the second derivatives over the rectangle are off from what these tell.
+    pub(super) rest: [DVec3; 3],
+}
+
+/// A jet of order 2.
+pub(super) type Jet<T> = [T; jet_len(2)];
+/// The coefficients of `sⁱ tʲ`, at `[i][j]`.
+type Polynomial = [[DVec3; ORDER + 1]; ORDER + 1];
+
+/// A rectangle in which the surface is analytic.
+#[derive(Clone)]
+struct Piece {
+    uv: [Interval; 2],
+    middle: [f64; 2],
+    half: [f64; 2],
+    /// About the middle, in halves of the rectangle; those of the highest order are the middles of what they are over it.
+    terms: Polynomial,
+    /// For each derivative, how much it is off for what is not known of those of the highest order, at the border.
+    rest: Jet<DVec3>,
+    /// Likewise for rounding and what is not known of the derivatives in the middle.
+    noise: Jet<DVec3>,
+    /// What is known over all of it.
+    over: Jet<Box3>,
+    quarters: Option<Box<[Piece]>>,
+}
+
+impl Piece {
+    /// For each pair of a part of u and one of v.
+    fn all(surface: &dyn Surface, parts: [Vec<Interval>; 2]) -> Vec<Self> {
+        let enclosed = |order: usize, of: fn(&Interval) -> Part| {
+            let [us, vs] = parts
+                .each_ref()
+                .map(|p| p.iter().map(of).collect::<Vec<_>>());
+            let mut out = vec![Box3::ENTIRE; us.len() * vs.len() * jet_len(order)];
+            surface.enclose_pieces([&us, &vs], order, &mut out);
+            out
+        };
+        let over = enclosed(ORDER, |&t| (t, Limit::Above));
+        let at = enclosed(ORDER - 1, |t| (Interval::point(t.mid()), Limit::Above));
+        let [us, vs] = &parts;
+        let pairs = us.iter().flat_map(|&u| vs.iter().map(move |&v| [u, v]));
+        let jets = over
+            .chunks_exact(jet_len(ORDER))
+            .zip(at.chunks_exact(jet_len(ORDER - 1)));
+        pairs
+            .zip(jets)
+            .map(|(uv, (over, at))| Self::new(uv, over, at))
+            .collect()
+    }
+
+    fn new(uv: [Interval; 2], over: &[Box3], at: &[Box3]) -> Self {
+        let middle = uv.map(Interval::mid);
+        let half = [0, 1].map(|d| farthest(uv[d], middle[d]));
+        let [powers_u, powers_v] = half.map(|h| powers(h));
+        let mut terms = [[DVec3::ZERO; ORDER + 1]; ORDER + 1];
+        let [mut rest, mut noise] = [[DVec3::ZERO; jet_len(2)]; 2];
+        for (i, j) in places(ORDER) {
+            let k = jet_index(i, j);
+            let highest = i + j == ORDER;
+            let of = if highest { over[k] } else { at[k] };
+            let share = powers_u[i] * powers_v[j] / (FACTORIALS[i] * FACTORIALS[j]);
+            let term = of.mid() * share;
+            terms[i][j] = term;
+            let unknown = DVec3::from_array(of.to_array().map(Interval::width)) * (0.5 * share);
+            for (a, b) in places(2).filter(|&(a, b)| a <= i && b <= j) {
+                let factor = falling(i, a) * falling(j, b);
+                let k = jet_index(a, b);
+                noise[k] += term.abs() * (factor * ROUNDING);
+                let off = if highest { &mut rest } else { &mut noise };
+                off[k] += unknown * factor;
+            }
+        }
+        Self {
+            uv,
+            middle,
+            half,
+            terms,
+            rest,
+            noise,
+            over: std::array::from_fn(|k| over[k]),
+            quarters: None,
+        }
+    }
+
+    /// Joins the enclosure over the common part with a rectangle to a hull; counts the quarters that it makes.
+    fn join(
+        &mut self,
+        surface: &dyn Surface,
+        uv: [Interval; 2],
+        tol: f64,
+        kept: &mut usize,
+        hull: &mut Option<Enclosed>,
+    ) {
+        let [Some(u), Some(v)] = [0, 1].map(|d| self.uv[d].intersection(uv[d])) else {
+            return;
+        };
+        let (enclosed, near) = self.expand([u, v], tol);
+        if !near {
+            let halves = [0, 1].map(|d| {
+                let (t, middle) = (self.uv[d], self.middle[d]);
+                [Interval { hi: middle, ..t }, Interval { lo: middle, ..t }]
+            });
+            let can_be_halved = |d: usize, part: Interval| {
+                let wide = halves[d].iter().all(|t| t.lo < t.hi);
+                wide && 2.0 * part.width() <= self.uv[d].width()
+            };
+            if can_be_halved(0, u) && can_be_halved(1, v) {
+                let quarters = self.quarters.get_or_insert_with(|| {
+                    *kept += 4;
+                    Piece::all(surface, halves.map(Vec::from)).into_boxed_slice()
+                });
+                for quarter in quarters {
+                    quarter.join(surface, [u, v], tol, kept, hull);
+                }
+                return;
+            }
+        }
+        *hull = Some(match hull {
+            Some(hull) => Enclosed {
+                jet: std::array::from_fn(|k| hull.jet[k].hull(enclosed.jet[k])),
+                local: None,
+                sharp: hull.sharp && enclosed.sharp,
+            },
+            None => enclosed,
+        });
+    }
+
+    /// The jet over a part, and whether what is not known of the highest derivatives matters little.
+    fn expand(&self, part: [Interval; 2], tol: f64) -> (Enclosed, bool) {
+        let at = part.map(Interval::mid);
+        let half = [0, 1].map(|d| farthest(part[d], at[d]) / self.half[d] * ROUND_UP);
+        let away = [0, 1].map(|d| (at[d] - self.middle[d]) / self.half[d]);
+        let moved = moved(&self.terms, away);
+        let [hu, hv] = half.map(powers);
+        let far = [0, 1].map(|d| away[d].abs() + half[d]);
+        let far = powers(far[0].max(far[1]) * ROUND_UP);
+        let mut mid = [DVec3::ZERO; jet_len(2)];
+        let mut error = self.noise;
+        let [mut unknown, mut loose] = [self.noise; 2];
+        for (a, b) in places(2) {
+            let k = jet_index(a, b);
+            mid[k] = moved[a][b] * (FACTORIALS[a] * FACTORIALS[b]);
+            unknown[k] += self.rest[k] * far[ORDER - a - b];
+            error[k] = unknown[k];
+        }
+        let second = [mid[3], mid[4], mid[5]];
+        let mut rest = [unknown[3], unknown[4], unknown[5]];
+        for (a, b) in places(2).skip(1) {
+            let k = jet_index(a, b);
+            for (i, j) in places(ORDER - a - b).skip(1) {
+                let factor = falling(i + a, a) * falling(j + b, b) * hu[i] * hv[j];
+                let term = moved[i + a][j + b] * factor;
+                if a + b == 2 && i + j > 1 {
+                    rest[b] += term.abs();
+                }
+                if matches!((i, j), (2, 0) | (0, 2)) {
+                    // Half of a square is in the middle.
+                    mid[k] += 0.5 * term;
+                    error[k] += 0.5 * term.abs();
+                } else {
+                    error[k] += term.abs();
+                    if i + j > 1 {
+                        loose[k] += term.abs();
+                    }
+                }
+            }
+        }
+        let sizes = |jet: &[DVec3]| {
+            let x = |k: usize| jet[k].length();
+            let second = greatest([x(3), x(4), x(5)], half);
+            [x(1) * half[0] + x(2) * half[1], second]
+        };
+        let [known, unknown, loose] = [&mid, &unknown, &loose].map(|jet| sizes(jet));
+        let near = unknown[0] <= SHARE * known[0] && unknown[1] <= SHARE * known[1].max(tol);
+        let sharp = near && loose[0] + loose[1] <= LOOSE * known[1].max(tol);
+        error[0] += (mid[1].abs() + error[1]) * half[0] + (mid[2].abs() + error[2]) * half[1];
+        let mut jet = self.over;
+        for (a, b) in places(2) {
+            let k = jet_index(a, b);
+            let size = self.half[0].powi(a as i32) * self.half[1].powi(b as i32);
+            let (mid, error) = ((mid[k] / size).to_array(), error[k] * (ROUND_UP / size));
+            let ends = [0, 1, 2].map(|c| {
+                let error = error[c] + mid[c].abs() * ROUNDING;
+                Interval::new(mid[c] - error, mid[c] + error)
+            });
+            jet[k] = self.over[k].meet(Box3::from(ends));
+        }
+        let local = Local {
+            half: self.half,
+            second,
+            third: std::array::from_fn(|k| moved[3 - k][k] * (FACTORIALS[3 - k] * FACTORIALS[k])),
+            rest,
+        };
+        let local = near.then_some(local);
+        (Enclosed { jet, local, sharp }, near)
+    }
+}
+
+/// The distance of the farther end.
+fn farthest(t: Interval, from: f64) -> f64 {
+    (t.hi - from).max(from - t.lo) * ROUND_UP
+}
+
+/// The polynomial about another point.
+fn moved(terms: &Polynomial, [s, t]: [f64; 2]) -> Polynomial {
+    let mut p = *terms;
+    for i in 0..=ORDER {
+        for k in 0..ORDER - i {
+            for j in (k..ORDER - i).rev() {
+                let next = p[i][j + 1];
+                p[i][j] += next * t;
+            }
+        }
+    }
+    for k in 0..ORDER {
+        for i in (k..ORDER).rev() {
+            let (row, next) = p.split_at_mut(i + 1);
+            for j in 0..ORDER - i {
+                row[i][j] += next[0][j] * s;
+            }
+        }
+    }
+    p
+}
+
+/// The places of a jet.
+fn places(order: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..=order).flat_map(|n| (0..=n).map(move |j| (n - j, j)))
+}
+
+fn powers(x: f64) -> [f64; ORDER + 1] {
+    let mut p = [1.0; ORDER + 1];
+    for k in 0..ORDER {
+        p[k + 1] = p[k] * x;
+    }
+    p
+}
+
+const FACTORIALS: [f64; ORDER + 1] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0];
+
+/// `i! / (i - a)!`: what the a-th derivative makes of the term of order i.
+fn falling(i: usize, a: usize) -> f64 {
+    FACTORIALS[i] / FACTORIALS[i - a]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::basis::BSplineBasis;
+    use crate::exact::NurbsSurface;
+    use crate::laws::Random;
+    use crate::surface::{Torus, TorusOptions};
+
+    fn examples() -> Vec<Box<dyn Surface>> {
+        let mut random = Random(5);
+        let mut nurbs = |degree: usize, points: usize, weights: f64, size: f64| {
+            let net: Vec<DVec3> = (0..points * points)
+                .map(|k| {
+                    let [x, y] = [k / points, k % points].map(|i| i as f64);
+                    size * DVec3::new(x + random.unit(), y + random.unit(), random.unit())
+                })
+                .collect();
+            let weights: Vec<f64> = net.iter().map(|_| 1.0 + weights * random.unit()).collect();
+            let knots = BSplineBasis::clamped_uniform(degree, points);
+            let knots = [knots.clone(), knots];
+            Box::new(NurbsSurface::new([degree; 2], knots, &net, Some(&weights)).unwrap())
+        };
+        vec![
+            nurbs(3, 9, 0.0, 1.0),
+            nurbs(2, 6, 1.0, 1e6),
+            nurbs(5, 7, 0.5, 1e-6),
+            Box::new(Torus::new(3.0, 1.0, TorusOptions::default()).unwrap()),
+        ]
+    }
+
+    #[test]
+    fn derivatives_are_where_they_are_said_to_be() {
+        let mut random = Random(8);
+        for (number, surface) in examples().iter().enumerate() {
+            let domain = surface.domain();
+            let size = surface.bounds(domain).diagonal();
+            let mut local = 0;
+            for tol in [1e-1, 1e-4] {
+                let mut pieces = Pieces::new(surface.as_ref(), tol * size);
+                for _ in 0..150 {
+                    let share = 10f64.powf(-4.0 * random.unit());
+                    let uv = domain.map(|d| {
+                        let width = share * d.width();
+                        let lo = d.lo + random.unit() * (d.width() - width);
+                        Interval::new(lo, (lo + width).min(d.hi))
+                    });
+                    let found = pieces.enclose(uv);
+                    let again = Pieces::new(surface.as_ref(), tol * size).enclose(uv);
+                    assert_eq!(found.jet, again.jet);
+                    local += usize::from(found.local.is_some());
+                    let middle = uv.map(Interval::mid);
+                    for _ in 0..8 {
+                        let at = uv.map(|t| random.within(t));
+                        let jet = surface.jet(at, [Limit::Above; 2], 2);
+                        for (k, d) in jet.d.iter().enumerate() {
+                            let widths: f64 = [0, 1].map(|d| domain[d].width()).iter().product();
+                            let rounding = 1e-12 * size / widths.powi(2);
+                            assert!(found.jet[k].inflate(rounding).contains(*d), "{number} {k}");
+                        }
+                        let Some(local) = &found.local else { continue };
+                        let [s, t] = [0, 1].map(|d| (at[d] - middle[d]) / local.half[d]);
+                        for k in 0..3 {
+                            let half =
+                                local.half[0].powi(2 - k as i32) * local.half[1].powi(k as i32);
+                            let told =
+                                local.second[k] + local.third[k] * s + local.third[k + 1] * t;
+                            let off = (jet.d[3 + k] * half - told).abs();
+                            let rounding = DVec3::splat(1e-12 * size);
+                            assert!(off.cmple(local.rest[k] + rounding).all(), "{number} {k}");
+                        }
+                    }
+                }
+            }
+            assert!(local > 100, "{number}: {local} of 300 lie in one piece");
+        }
+    }
+}
