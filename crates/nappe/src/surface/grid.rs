@@ -7,7 +7,9 @@
 use super::normal::all_plain;
 use super::quotient::{quotient, quotient_with};
 use super::{Core, Dir, Separable, Surface, jet_index, normal_at};
+use crate::basis::Functions;
 use crate::breaks::{Breaks, Limit};
+use crate::scalar::{Number, Pack};
 use crate::simd::{InstructionSet, Kernel, Lanes, Registers, far_from_limits};
 use glam::{DVec3, DVec4};
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
@@ -32,6 +34,39 @@ struct Piece {
     sparse: Sparse,
 }
 
+/// Neighbouring parameters with the same active functions, and these.
+fn runs(functions: &dyn Functions, t: &[f64]) -> Vec<(Range<usize>, Range<usize>)> {
+    let active: Vec<_> = t
+        .iter()
+        .map(|&t| functions.active(t, Limit::Above))
+        .collect();
+    let mut start = 0;
+    let run = |same: &[Range<usize>]| {
+        start += same.len();
+        (start - same.len()..start, same[0].clone())
+    };
+    active.chunk_by(|a, b| a == b).map(run).collect()
+}
+
+/// The functions at the first parameters of a pack, `count` of them with the same active functions; lanes behind repeat
+/// the last one.
+fn evaluate_pack(functions: &dyn Functions, t: &[f64], order: usize, out: &mut [Pack]) {
+    /// Fewer are evaluated faster one by one.
+    const FEW: usize = 3;
+    let last = t.len() - 1;
+    if t.len() >= FEW {
+        let t = Pack(std::array::from_fn(|lane| t[lane.min(last)]));
+        return functions.pack_into(t, Limit::Above, order, out);
+    }
+    let mut one: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, out.len());
+    for (lane, &t) in t.iter().enumerate() {
+        functions.jet_into(t, Limit::Above, order, &mut one);
+        for (out, &x) in out.iter_mut().zip(&one) {
+            out.0[lane..].fill(x);
+        }
+    }
+}
+
 /// The functions of v at some columns.
 struct Columns {
     pieces: Vec<Piece>,
@@ -40,39 +75,36 @@ struct Columns {
 
 impl Columns {
     fn new(surface: &Separable, v: &[f64], order: usize, lanes: usize) -> Self {
-        let functions = surface.functions_v();
-        let active: Vec<_> = v
-            .iter()
-            .map(|&v| functions.active(v, Limit::Above))
-            .collect();
-        let (mut pieces, mut values) = (Vec::new(), Vec::new());
-        let (mut one, mut all) = (Vec::new(), Vec::new());
-        let mut start = 0;
-        for same in active.chunk_by(|a, b| a == b) {
-            let (active, count) = (same[0].clone(), same.len());
-            one.resize((order + 1) * active.len(), 0.0);
-            all.clear();
-            for &v in &v[start..][..count] {
-                functions.jet_into(v, Limit::Above, order, &mut one);
-                all.extend_from_slice(&one);
-            }
+        let functions = surface.functions_v().as_ref();
+        let (mut pieces, mut values) = (Vec::new(), Vec::<f64>::new());
+        let mut pack = Vec::new();
+        for (columns, active) in runs(functions, v) {
             let at = values.len();
-            for block in (0..count).step_by(lanes) {
-                let first = first_of_block(block, count, lanes);
-                for k in 0..one.len() {
-                    // Lanes without a column repeat the last one.
-                    let columns = (first..first + lanes).map(|c| c.min(count - 1));
-                    values.extend(columns.map(|c| all[c * one.len() + k]));
+            pack.resize((order + 1) * active.len(), Pack::ZERO);
+            for part in columns.clone().step_by(Pack::LANES) {
+                let blocks = (part..columns.end.min(part + Pack::LANES)).step_by(lanes);
+                let first = |block| {
+                    columns.start + first_of_block(block - columns.start, columns.len(), lanes)
+                };
+                let t: SmallVec<[f64; Pack::LANES]> = blocks
+                    .clone()
+                    .flat_map(|block| &v[first(block)..columns.end.min(first(block) + lanes)])
+                    .copied()
+                    .collect();
+                evaluate_pack(functions, &t, order, &mut pack);
+                for block in 0..blocks.len() {
+                    for k in &pack {
+                        values.extend_from_slice(&k.0[block * lanes..][..lanes]);
+                    }
                 }
             }
             pieces.push(Piece {
-                columns: start..start + count,
                 at,
-                moderate: all.iter().all(|&x| far_from_limits(x)),
+                moderate: values[at..].iter().all(|&x| far_from_limits(x)),
                 sparse: Sparse::new(surface, &active),
+                columns,
                 active,
             });
-            start += count;
         }
         Self { pieces, values }
     }
@@ -202,53 +234,65 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
     out: &mut [f64],
     output: &O,
 ) {
-    let (side, count) = (surface.functions_u(), surface.functions_v().count());
+    let (side, count) = (
+        surface.functions_u().as_ref(),
+        surface.functions_v().count(),
+    );
     let mut all = vec![[0.0; 4]; (ORDER + 1) * count];
-    let mut k = Vec::new();
-    let mut a: SmallVec<[f64; 32]> = SmallVec::new();
+    let (mut pack, mut a, mut k) = (Vec::new(), Vec::new(), Vec::new());
+    let rows = runs(side, u);
     let mut spare = vec![0.0; O::EACH * R::LANES];
     for (tile, columns) in v.chunks(COLUMNS).enumerate() {
         let columns = Columns::new(surface, columns, ORDER, R::LANES);
-        for (row, &u) in u.iter().enumerate() {
-            let active = side.active_jet(u, Limit::Above, ORDER, &mut a);
-            if let Some(net) = net {
-                collapse_net(&a, &net[active.start * count..], count, &mut all);
-            }
-            for (index, piece) in columns.pieces.iter().enumerate() {
-                if net.is_some() {
-                    k.clear();
-                    for all in all.chunks_exact(count) {
-                        k.extend_from_slice(&all[piece.active.clone()]);
+        for (rows, active) in &rows {
+            for part in rows.clone().step_by(Pack::LANES) {
+                let part = part..rows.end.min(part + Pack::LANES);
+                pack.resize((ORDER + 1) * active.len(), Pack::ZERO);
+                evaluate_pack(side, &u[part.clone()], ORDER, &mut pack);
+                for (lane, row) in part.enumerate() {
+                    a.clear();
+                    a.extend(pack.iter().map(|f| f.0[lane]));
+                    if let Some(net) = net {
+                        collapse_net(&a, &net[active.start * count..], count, &mut all);
                     }
-                } else {
-                    piece.sparse.collapse(&a, &active, ORDER + 1, &mut k);
-                }
-                let (first, width) = (tile * COLUMNS + piece.columns.start, piece.columns.len());
-                let out = &mut out[O::EACH * (row * v.len() + first)..][..O::EACH * width];
-                let short = width < R::LANES;
-                let places = if short { &mut spare } else { &mut *out };
-                let strip = Strip {
-                    r,
-                    row,
-                    columns: first..first + width,
-                    active: piece.active.len(),
-                    functions: R::arrays(columns.of(index)),
-                    k: &k,
-                    quick: D == 4
-                        && ORDER < 2
-                        && piece.moderate
-                        && k.as_flattened().iter().all(|&x| far_from_limits(x)),
-                };
-                match (net, JET, strip.active) {
-                    (None, ..) => {
-                        strip.sparse::<D, ORDER, JET>(&piece.sparse.used, places, output);
+                    for (index, piece) in columns.pieces.iter().enumerate() {
+                        if net.is_some() {
+                            k.clear();
+                            for all in all.chunks_exact(count) {
+                                k.extend_from_slice(&all[piece.active.clone()]);
+                            }
+                        } else {
+                            piece.sparse.collapse(&a, active, ORDER + 1, &mut k);
+                        }
+                        let (first, width) =
+                            (tile * COLUMNS + piece.columns.start, piece.columns.len());
+                        let out = &mut out[O::EACH * (row * v.len() + first)..][..O::EACH * width];
+                        let short = width < R::LANES;
+                        let places = if short { &mut spare } else { &mut *out };
+                        let strip = Strip {
+                            r,
+                            row,
+                            columns: first..first + width,
+                            active: piece.active.len(),
+                            functions: R::arrays(columns.of(index)),
+                            k: &k,
+                            quick: D == 4
+                                && ORDER < 2
+                                && piece.moderate
+                                && k.as_flattened().iter().all(|&x| far_from_limits(x)),
+                        };
+                        match (net, JET, strip.active) {
+                            (None, ..) => {
+                                strip.sparse::<D, ORDER, JET>(&piece.sparse.used, places, output);
+                            }
+                            (_, 1, 3) => strip.unrolled::<D, 3, JET>(places, output),
+                            (_, 1, 4) => strip.unrolled::<D, 4, JET>(places, output),
+                            _ => strip.dense::<D, ORDER, JET>(places, output),
+                        }
+                        if short {
+                            out.copy_from_slice(&spare[..out.len()]);
+                        }
                     }
-                    (_, 1, 3) => strip.unrolled::<D, 3, JET>(places, output),
-                    (_, 1, 4) => strip.unrolled::<D, 4, JET>(places, output),
-                    _ => strip.dense::<D, ORDER, JET>(places, output),
-                }
-                if short {
-                    out.copy_from_slice(&spare[..out.len()]);
                 }
             }
         }
