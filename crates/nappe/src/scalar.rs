@@ -55,14 +55,14 @@ pub trait Number:
     fn cosh(self) -> Self;
     /// The hyperbolic tangent.
     fn tanh(self) -> Self;
-    /// An integer power.
-    fn powi(self, n: i32) -> Self;
 }
 
 /// A [`Number`] that is at one place, so that a formula may decide by it: `f64` or [`Interval`].
 pub trait Scalar: Number + PartialEq {
     /// The number that decides a branch: the value, or the middle of the enclosure.
     fn mid(self) -> f64;
+    /// An integer power. Compilers compute it in more than one way, so that lanes might differ from single numbers.
+    fn powi(self, n: i32) -> Self;
     /// True only for exactly zero.
     fn is_zero(self) -> bool {
         self == Self::ZERO
@@ -107,9 +107,6 @@ macro_rules! forward {
         fn tanh(self) -> Self {
             <$t>::tanh(self)
         }
-        fn powi(self, n: i32) -> Self {
-            <$t>::powi(self, n)
-        }
     };
 }
 
@@ -127,6 +124,9 @@ impl Scalar for f64 {
     fn mid(self) -> f64 {
         self
     }
+    fn powi(self, n: i32) -> Self {
+        f64::powi(self, n)
+    }
 }
 
 impl Number for Interval {
@@ -142,6 +142,9 @@ impl Number for Interval {
 impl Scalar for Interval {
     fn mid(self) -> f64 {
         Interval::mid(self)
+    }
+    fn powi(self, n: i32) -> Self {
+        Interval::powi(self, n)
     }
 }
 
@@ -221,9 +224,6 @@ impl Number for Pack {
     fn sqr(self) -> Self {
         self * self
     }
-    fn powi(self, n: i32) -> Self {
-        self.map(|x| x.powi(n))
-    }
     map_lanes!(sqrt exp ln sin cos asin acos atan tan sinh cosh tanh);
 }
 
@@ -242,4 +242,40 @@ pub fn cross<S: Number>(a: Vec3<S>, b: Vec3<S>) -> Vec3<S> {
         a[2] * b[0] - a[0] * b[2],
         a[0] * b[1] - a[1] * b[0],
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_lane_has_the_bits_of_a_single_number() {
+        fn formula<S: Number>(x: S) -> [S; 16] {
+            let y = x + S::ONE;
+            [
+                (x - y) * S::from(0.3),
+                y / x,
+                -x,
+                x.sqr(),
+                x.sqrt(),
+                x.exp(),
+                y.ln(),
+                x.sin(),
+                x.cos(),
+                x.asin(),
+                x.acos(),
+                x.atan(),
+                x.tan(),
+                x.sinh(),
+                x.cosh(),
+                x.tanh(),
+            ]
+        }
+        let x = Pack(from_fn(|lane| 0.11 * lane as f64));
+        let packs = formula(x);
+        for (lane, x) in x.0.into_iter().enumerate() {
+            let bits = packs.map(|pack| pack.0[lane].to_bits());
+            assert_eq!(bits, formula(x).map(f64::to_bits), "lane {lane}");
+        }
+    }
 }

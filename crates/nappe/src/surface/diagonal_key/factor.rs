@@ -505,6 +505,36 @@ mod tests {
     }
 
     #[test]
+    fn packs_near_a_zero_beside_it_and_across_parts_are_single_values() {
+        // v (v - 1/2) (1, v, 2) as above.
+        let f = factored(&[
+            [0.0; 3],
+            [-1.0 / 6.0, 0.0, -1.0 / 3.0],
+            [0.0, -1.0 / 6.0, 0.0],
+            [0.5, 0.5, 1.0],
+        ]);
+        let pack = |from: f64, step: f64| Pack(std::array::from_fn(|l| from + step * l as f64));
+        for (t, one_formula) in [
+            (pack(0.0, 1e-3), true),
+            (pack(0.1, 0.01), true),
+            (pack(0.2, 0.02), false),
+            (pack(0.9, 0.01), true),
+        ] {
+            let values = f.values(t, Limit::Above, 2);
+            assert_eq!(values.is_some(), one_formula, "{t:?}");
+            let Some((m, g)) = values else { continue };
+            for (lane, &v) in t.0.iter().enumerate() {
+                let (m1, g1) = f.value(v, Limit::Above, 2);
+                for (pack, one) in [&m].into_iter().chain(&g).zip([&m1].into_iter().chain(&g1)) {
+                    let pack: Vec<u64> = pack.c.iter().map(|c| c.0[lane].to_bits()).collect();
+                    let one: Vec<u64> = one.c.iter().map(|c| c.to_bits()).collect();
+                    assert_eq!(pack, one, "{v}");
+                }
+            }
+        }
+    }
+
+    #[test]
     fn a_double_zero_keeps_its_sign() {
         // (v - 1/2)² v (1, 0, 0) + (v - 1/2)² v² (0, 1, 0): Bernstein forms of degree 4.
         let x = [0.0, 0.0625, -1.0 / 24.0, -0.0625, 0.25];
