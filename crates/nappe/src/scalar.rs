@@ -162,11 +162,13 @@ impl Pack {
     }
 
     /// Evaluates one lane after the other what is not a formula of packs: `eval` gets a parameter and the places for
-    /// its numbers.
+    /// its numbers. A lane that repeats the one before costs nothing.
     pub(crate) fn each_lane(self, out: &mut [Self], mut eval: impl FnMut(f64, &mut [f64])) {
         let mut one: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, out.len());
         for (lane, t) in self.0.into_iter().enumerate() {
-            eval(t, &mut one);
+            if lane == 0 || t.to_bits() != self.0[lane - 1].to_bits() {
+                eval(t, &mut one);
+            }
             for (out, x) in out.iter_mut().zip(&one) {
                 out.0[lane] = *x;
             }
