@@ -1,7 +1,7 @@
 //! The laws every curve and surface obeys, as functions that panic with the place and the numbers when one is broken.
 //! A new kind proves itself with one line in a test: `laws::curve(&my_curve)` or `laws::surface(&my_surface)`.
 //!
-//! Checked: jets are prefixes of longer jets; grids equal single points to the last bit, and lists
+//! Checked: jets are prefixes of longer jets; packs and grids equal single points to the last bit, and lists
 //! within four units in the last place of the size; normals of grids are those of single points; derivatives agree with Richardson
 //! differences of the next lower order inside each analytic piece; both sides of a break agree as far as the break's
 //! smoothness says; enclosures contain samples and shrink at first order; a NURBS form, if any, is the same map.
@@ -10,6 +10,7 @@ use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::curve::Curve;
 use crate::interval::Interval;
+use crate::scalar::{Number, Pack};
 use crate::surface::{Dir, Surface, jet_index, jet_len, normal_at};
 use glam::DVec3;
 
@@ -144,6 +145,20 @@ pub fn curve_with(c: &dyn Curve, boxes: usize) {
                     k + 1
                 );
             }
+        }
+    }
+    let mut lanes = Random(5);
+    for order in 0..=2 {
+        let t = Pack(std::array::from_fn(|_| lanes.within(domain)));
+        let mut pack = vec![[Pack::ZERO; 3]; order + 1];
+        c.pack_into(t, Limit::Above, &mut pack);
+        for (lane, &t) in t.0.iter().enumerate() {
+            let lane: Vec<_> = pack.iter().map(|d| d.map(|x| x.0[lane])).collect();
+            let single = c.jet(t, Limit::Above, order).d;
+            assert!(
+                single.iter().map(|d| d.to_array()).eq(lane),
+                "a pack gives the same jet of order {order} at {t}"
+            );
         }
     }
     for b in &breaks[1..breaks.len() - 1] {

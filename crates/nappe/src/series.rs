@@ -6,17 +6,25 @@
 //!
 //! Cost: linear in the length for sums, quadratic for products and the elementary functions.
 
-use crate::scalar::Scalar;
+use crate::scalar::Number;
 use smallvec::SmallVec;
 
 /// Taylor coefficients of a one-variable function, order 0 first.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Series<S: Scalar> {
+#[derive(Debug, PartialEq)]
+pub struct Series<S: Number> {
     /// `c[k] = f⁽ᵏ⁾/k!`.
-    pub c: SmallVec<[S; 6]>,
+    pub c: SmallVec<S::Few>,
 }
 
-impl<S: Scalar> Series<S> {
+impl<S: Number> Clone for Series<S> {
+    fn clone(&self) -> Self {
+        Self {
+            c: SmallVec::from_slice(&self.c),
+        }
+    }
+}
+
+impl<S: Number> Series<S> {
     /// The constant `x` to the given order.
     pub fn constant(x: S, order: usize) -> Self {
         let mut c = SmallVec::from_elem(S::ZERO, order + 1);
@@ -70,40 +78,40 @@ impl<S: Scalar> Series<S> {
         self.c[0]
     }
 
+    /// Every coefficient by `f`, of the first `n`.
+    fn each(&self, n: usize, f: impl Fn(usize, S) -> S) -> Self {
+        let mut c = SmallVec::from_slice(&self.c[..n]);
+        for (k, x) in c.iter_mut().enumerate() {
+            *x = f(k, *x);
+        }
+        Self { c }
+    }
+
     /// `-f`.
     pub fn neg(&self) -> Self {
-        Self {
-            c: self.c.iter().map(|&x| -x).collect(),
-        }
+        self.each(self.c.len(), |_, a| -a)
     }
 
     /// `f + g`.
     pub fn add(&self, o: &Self) -> Self {
-        Self {
-            c: self.c.iter().zip(&o.c).map(|(&a, &b)| a + b).collect(),
-        }
+        self.each(self.c.len().min(o.c.len()), |k, a| a + o.c[k])
     }
 
     /// `f - g`.
     pub fn sub(&self, o: &Self) -> Self {
-        Self {
-            c: self.c.iter().zip(&o.c).map(|(&a, &b)| a - b).collect(),
-        }
+        self.each(self.c.len().min(o.c.len()), |k, a| a - o.c[k])
     }
 
     /// `f · x` for a number x.
     pub fn scale(&self, x: S) -> Self {
-        Self {
-            c: self.c.iter().map(|&a| a * x).collect(),
-        }
+        self.each(self.c.len(), |_, a| a * x)
     }
 
     /// `f · g`.
     pub fn mul(&self, o: &Self) -> Self {
-        let c = (0..self.c.len().min(o.c.len()))
-            .map(|k| (0..=k).fold(S::ZERO, |acc, j| acc + self.c[j] * o.c[k - j]))
-            .collect();
-        Self { c }
+        self.each(self.c.len().min(o.c.len()), |k, _| {
+            (0..=k).fold(S::ZERO, |acc, j| acc + self.c[j] * o.c[k - j])
+        })
     }
 
     /// `f²`, with the square's tighter enclosure of the value.
@@ -115,7 +123,7 @@ impl<S: Scalar> Series<S> {
 
     /// `f / g`.
     pub fn div(&self, o: &Self) -> Self {
-        let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(self.c.len());
+        let mut c: SmallVec<S::Few> = SmallVec::with_capacity(self.c.len());
         for k in 0..self.c.len() {
             let s = (1..=k).fold(self.c[k], |acc, j| acc - o.c[j] * c[k - j]);
             c.push(s / o.c[0]);
@@ -125,7 +133,7 @@ impl<S: Scalar> Series<S> {
 
     /// `√f`.
     pub fn sqrt(&self) -> Self {
-        let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(self.c.len());
+        let mut c: SmallVec<S::Few> = SmallVec::with_capacity(self.c.len());
         c.push(self.c[0].sqrt());
         for k in 1..self.c.len() {
             let s = (1..k).fold(self.c[k], |acc, j| acc - c[j] * c[k - j]);
@@ -137,8 +145,8 @@ impl<S: Scalar> Series<S> {
     /// `sin f` and `cos f`.
     pub fn sin_cos(&self) -> (Self, Self) {
         let n = self.c.len();
-        let mut s: SmallVec<[S; 6]> = SmallVec::with_capacity(n);
-        let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(n);
+        let mut s: SmallVec<S::Few> = SmallVec::with_capacity(n);
+        let mut c: SmallVec<S::Few> = SmallVec::with_capacity(n);
         s.push(self.c[0].sin());
         c.push(self.c[0].cos());
         for k in 1..n {
@@ -157,7 +165,7 @@ impl<S: Scalar> Series<S> {
 
     /// `exp f`.
     pub fn exp(&self) -> Self {
-        let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(self.c.len());
+        let mut c: SmallVec<S::Few> = SmallVec::with_capacity(self.c.len());
         c.push(self.c[0].exp());
         for k in 1..self.c.len() {
             let s = (1..=k).fold(S::ZERO, |acc, j| {
@@ -205,7 +213,7 @@ impl<S: Scalar> Series<S> {
     /// The series y with the given value and `y' = (1 + sign y²) f'`.
     fn tangent(&self, value: S, sign: S) -> Self {
         let n = self.c.len();
-        let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(n);
+        let mut c: SmallVec<S::Few> = SmallVec::with_capacity(n);
         c.push(value);
         for k in 1..n {
             let mut sum = S::ZERO;
@@ -228,8 +236,8 @@ impl<S: Scalar> Series<S> {
     /// `sinh f` and `cosh f`.
     pub fn sinh_cosh(&self) -> (Self, Self) {
         let n = self.c.len();
-        let mut s: SmallVec<[S; 6]> = SmallVec::with_capacity(n);
-        let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(n);
+        let mut s: SmallVec<S::Few> = SmallVec::with_capacity(n);
+        let mut c: SmallVec<S::Few> = SmallVec::with_capacity(n);
         s.push(self.c[0].sinh());
         c.push(self.c[0].cosh());
         for k in 1..n {
@@ -249,7 +257,7 @@ impl<S: Scalar> Series<S> {
     /// The angle of the point `(x, self)`, whose value the caller gives: its derivative `(x y' - y x')/(x² + y²)` is
     /// the same on every branch.
     pub fn atan2(&self, x: &Self, value: S) -> Self {
-        let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(self.c.len());
+        let mut c: SmallVec<S::Few> = SmallVec::with_capacity(self.c.len());
         c.push(value);
         if self.order() > 0 {
             let r2 = x.sqr().add(&self.sqr());
@@ -263,7 +271,7 @@ impl<S: Scalar> Series<S> {
     /// The series with the given value and derivative `f' / g`: how the inverse functions are built.
     fn integrate_quotient(&self, value: S, g: &Self) -> Self {
         let n = self.c.len();
-        let mut c: SmallVec<[S; 6]> = SmallVec::with_capacity(n);
+        let mut c: SmallVec<S::Few> = SmallVec::with_capacity(n);
         c.push(value);
         for k in 1..n {
             // k c_k g_0 = k f_k - Σ_{j=1}^{k-1} j c_j g_{k-j}
@@ -309,18 +317,18 @@ impl<S: Scalar> Series<S> {
 }
 
 /// The dot product of two vectors of series.
-pub fn series_dot<S: Scalar>(a: &[Series<S>; 3], b: &[Series<S>; 3]) -> Series<S> {
+pub fn series_dot<S: Number>(a: &[Series<S>; 3], b: &[Series<S>; 3]) -> Series<S> {
     a[0].mul(&b[0]).add(&a[1].mul(&b[1])).add(&a[2].mul(&b[2]))
 }
 
 /// The cross product of two vectors of series.
-pub fn series_cross<S: Scalar>(a: &[Series<S>; 3], b: &[Series<S>; 3]) -> [Series<S>; 3] {
+pub fn series_cross<S: Number>(a: &[Series<S>; 3], b: &[Series<S>; 3]) -> [Series<S>; 3] {
     let d = |i: usize, j: usize| a[i].mul(&b[j]).sub(&a[j].mul(&b[i]));
     [d(1, 2), d(2, 0), d(0, 1)]
 }
 
 /// The square of each coordinate summed: `|a|²`.
-pub fn series_norm2<S: Scalar>(a: &[Series<S>; 3]) -> Series<S> {
+pub fn series_norm2<S: Number>(a: &[Series<S>; 3]) -> Series<S> {
     a[0].sqr().add(&a[1].sqr()).add(&a[2].sqr())
 }
 

@@ -25,8 +25,8 @@ const BOUNDS: &str = "
 
 * **T1, T4, grid**: writing, and one short sum of products a point, eight columns at a time with AVX-512, four with AVX2;
   with AVX2 and for rational surfaces the sums and divisions cost more than writing to the last-level cache. The sides
-  are evaluated n + m times by the exact path, which counts for small grids and for kinds made of curves: a side that
-  takes 2 µs a point costs 2 ns a point of a grid of 1000 × 1000.
+  are evaluated n + m times by the exact formulas, eight parameters at a time, which counts for small grids and for kinds
+  made of curves: a side that takes half a microsecond a point costs half a nanosecond a point of a grid of 1000 × 1000.
 * **T2, normal**: the arithmetic: two tangents, a cross product, a square root and a division a point.
 * **T3, T3b, list, list1**: the arithmetic of one point after the other: finding the pieces, and Horner's scheme along u
   and along v with the coefficients of that pair of pieces, from the second-level cache. Where all pairs would need more

@@ -5,7 +5,7 @@ use super::{Functions, Table, room};
 use crate::breaks::{Break, Breaks, Limit};
 use crate::exact::PiecewiseRational;
 use crate::interval::Interval;
-use crate::scalar::Scalar;
+use crate::scalar::{Number, Pack};
 use smallvec::SmallVec;
 use std::ops::Range;
 use thiserror::Error;
@@ -222,35 +222,41 @@ impl BSplineBasis {
         self.spans[if found { guess } else { breaks.find(t, limit) }]
     }
 
-    /// Values and derivatives of the active functions in a span, for values and enclosures alike.
-    fn eval<S: Scalar>(&self, span: usize, t: S, order: usize, out: &mut [S]) {
+    /// The knots near a span that [`Self::eval`] takes.
+    fn near(&self, span: usize) -> &[f64] {
+        &self.knots[span + 1 - self.degree..][..2 * self.degree]
+    }
+
+    /// Values and derivatives of the active functions in a span, for all kinds of numbers alike.
+    ///
+    /// `near` are the knots that the functions touch, but for the outermost two.
+    fn eval<S: Number>(&self, near: &[S], t: S, order: usize, out: &mut [S]) {
         // With the degree known the compiler takes all loops apart and keeps everything in registers.
         match self.degree {
-            2 => self.eval_of(2, span, t, order, &mut [S::ONE; 3], out),
-            3 => self.eval_of(3, span, t, order, &mut [S::ONE; 6], out),
+            2 => self.eval_of(2, near, t, order, &mut [S::ONE; 3], out),
+            3 => self.eval_of(3, near, t, order, &mut [S::ONE; 6], out),
             p => {
                 let (mut stack, mut heap) = ([S::ONE; 21], Vec::new());
                 let rows = room(&mut stack, &mut heap, p * (p + 1) / 2, S::ONE);
-                self.eval_of(p, span, t, order, rows, out);
+                self.eval_of(p, near, t, order, rows, out);
             }
         }
     }
 
     /// The same; `rows` is room for `p (p+1)/2` numbers that are 1.
     #[inline(always)]
-    fn eval_of<S: Scalar>(
+    fn eval_of<S: Number>(
         &self,
         p: usize,
-        span: usize,
+        near: &[S],
         t: S,
         order: usize,
         rows: &mut [S],
         out: &mut [S],
     ) {
-        // The knots that the active functions touch, but for the outermost two. The r-th function of degree q is positive
-        // from knot p - 1 - q + r of these to knot p + r.
-        let near = &self.knots[span + 1 - p..][..2 * p];
-        let support = |q: usize, r: usize| [near[p - 1 - q + r], near[p + r]].map(S::from);
+        // The r-th function of degree q is positive from knot p - 1 - q + r of those near to knot p + r.
+        let near = &near[..2 * p];
+        let support = |q: usize, r: usize| [near[p - 1 - q + r], near[p + r]];
         // N_{span-q} … N_span of degree q < p, one row after the other: row q starts at q (q+1)/2.
         let row = |q: usize| q * (q + 1) / 2;
         for q in 0..p {
@@ -288,6 +294,23 @@ impl BSplineBasis {
                 o[q + 1] = rising;
             }
         }
+    }
+
+    /// The same at the parameters of a pack, each in its span.
+    pub(crate) fn pack_in(
+        &self,
+        spans: [usize; Pack::LANES],
+        t: Pack,
+        order: usize,
+        out: &mut [Pack],
+    ) {
+        let mut knots: SmallVec<[Pack; 6]> = SmallVec::from_elem(Pack::ZERO, 2 * self.degree);
+        for (lane, span) in spans.into_iter().enumerate() {
+            for (pack, &knot) in knots.iter_mut().zip(self.near(span)) {
+                pack.0[lane] = knot;
+            }
+        }
+        self.eval(&knots, t, order, out);
     }
 
     /// The polar form (blossom) of the spline with the given coefficients, in one span, at `degree` arguments.
@@ -341,7 +364,11 @@ impl Functions for BSplineBasis {
     }
 
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {
-        self.eval(self.span(t, limit), t, order, out);
+        self.eval(self.near(self.span(t, limit)), t, order, out);
+    }
+
+    fn pack_into(&self, t: Pack, limit: Limit, order: usize, out: &mut [Pack]) {
+        self.pack_in(t.0.map(|t| self.span(t, limit)), t, order, out);
     }
 
     fn active_jet(
@@ -353,12 +380,14 @@ impl Functions for BSplineBasis {
     ) -> Range<usize> {
         let span = self.span(t, limit);
         out.resize((order + 1) * (self.degree + 1), 0.0);
-        self.eval(span, t, order, out);
+        self.eval(self.near(span), t, order, out);
         span - self.degree..span + 1
     }
 
     fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]) {
-        self.eval(self.span(t.mid(), limit), t, order, out);
+        let near = self.near(self.span(t.mid(), limit));
+        let near: SmallVec<[Interval; 6]> = near.iter().map(|&k| Interval::point(k)).collect();
+        self.eval(&near, t, order, out);
         // The values are between 0 and 1 wherever t stays inside its span.
         let piece = self.breaks.piece(self.breaks.find(t.mid(), limit));
         if piece.encloses(t) {

@@ -4,7 +4,7 @@ use super::{BSplineBasis, Functions, FunctionsRef};
 use crate::breaks::{Break, Limit};
 use crate::exact::PiecewiseRational;
 use crate::interval::Interval;
-use crate::scalar::Scalar;
+use crate::scalar::{Number, Pack};
 use smallvec::SmallVec;
 use std::ops::Range;
 use std::sync::Arc;
@@ -58,7 +58,7 @@ impl Combination {
         Self::new(Arc::new(BSplineBasis::bernstein(c.len() + 1)), &[&row])
     }
 
-    fn combine<S: Scalar>(&self, a: &[S], active: Range<usize>, order: usize, out: &mut [S]) {
+    fn combine<S: Number>(&self, a: &[S], active: Range<usize>, order: usize, out: &mut [S]) {
         let n = active.len();
         for k in 0..=order {
             for r in 0..self.count {
@@ -86,6 +86,16 @@ impl Functions for Combination {
         let active = self.base.active(t, limit);
         let mut a: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, (order + 1) * active.len());
         self.base.jet_into(t, limit, order, &mut a);
+        self.combine(&a, active, order, out);
+    }
+
+    fn pack_into(&self, t: Pack, limit: Limit, order: usize, out: &mut [Pack]) {
+        let Some(active) = t.common(|t| self.base.active(t, limit)) else {
+            return t.each_lane(out, |t, out| self.jet_into(t, limit, order, out));
+        };
+        let mut a: SmallVec<[Pack; 16]> =
+            SmallVec::from_elem(Pack::ZERO, (order + 1) * active.len());
+        self.base.pack_into(t, limit, order, &mut a);
         self.combine(&a, active, order, out);
     }
 

@@ -6,7 +6,7 @@ use crate::breaks::{Break, Limit};
 use crate::curve::CurveRef;
 use crate::frame::Frame;
 use crate::interval::Interval;
-use crate::scalar::Scalar;
+use crate::scalar::Number;
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -38,7 +38,7 @@ impl Framed {
     }
 
     /// Takes the linear function away from x and y in `out`, rows of four by derivative.
-    fn correct<S: Scalar>(&self, t: S, order: usize, out: &mut [S]) {
+    fn correct<S: Number>(&self, t: S, order: usize, out: &mut [S]) {
         if self.excess == [[0.0; 2]; 2] {
             return;
         }

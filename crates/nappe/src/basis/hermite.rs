@@ -4,7 +4,7 @@ use super::{BSplineBasis, Functions};
 use crate::breaks::{Break, Limit, UNIT_BREAKS};
 use crate::exact::PiecewiseRational;
 use crate::interval::Interval;
-use crate::scalar::Scalar;
+use crate::scalar::{Number, Pack};
 
 /// The four cubic Hermite functions on `[0, 1]`, in the order value and derivative at 0, derivative and value at 1:
 /// `H1 = (1-t)²(1+2t)`, `H2 = t(1-t)²`, `H3 = -t²(1-t)`, `H4 = t²(3-2t)`.
@@ -34,7 +34,7 @@ impl Hermite {
     }
 
     /// Replaces rows of Bernstein polynomials by rows of Hermite functions.
-    fn combine<S: Scalar>(out: &mut [S]) {
+    fn combine<S: Number>(out: &mut [S]) {
         let three = S::from(3.0);
         for row in out.chunks_exact_mut(4) {
             let [b0, b1, b2, b3] = [row[0], row[1], row[2], row[3]];
@@ -60,6 +60,11 @@ impl Functions for Hermite {
 
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {
         self.bernstein.jet_into(t, limit, order, out);
+        Self::combine(&mut out[..4 * (order + 1)]);
+    }
+
+    fn pack_into(&self, t: Pack, limit: Limit, order: usize, out: &mut [Pack]) {
+        self.bernstein.pack_into(t, limit, order, out);
         Self::combine(&mut out[..4 * (order + 1)]);
     }
 

@@ -3,7 +3,7 @@
 use super::Functions;
 use crate::breaks::{Break, Limit, UNIT_BREAKS};
 use crate::interval::Interval;
-use crate::scalar::Scalar;
+use crate::scalar::{Number, Pack};
 use crate::series::Series;
 use smallvec::SmallVec;
 use std::f64::consts::PI;
@@ -54,7 +54,42 @@ pub enum TrigonometricError {
 /// Source: Chashnikov, "A surface of revolution as a Coons surface" (2007), §3, (8) to (10).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trigonometric {
-    alpha: f64,
+    factors: Factors<f64>,
+    enclosed: Factors<Interval>,
+}
+
+/// What the formulas take from the angle alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Factors<S> {
+    alpha: S,
+    half: S,
+    sin_half: S,
+    cos_half: S,
+    cos: S,
+}
+
+impl<S: Number> Factors<S> {
+    fn new(alpha: f64) -> Self {
+        let half = S::from(0.5 * alpha);
+        let alpha = S::from(alpha);
+        Self {
+            alpha,
+            half,
+            sin_half: half.sin(),
+            cos_half: half.cos(),
+            cos: alpha.cos(),
+        }
+    }
+
+    fn map<T>(self, f: impl Fn(S) -> T) -> Factors<T> {
+        Factors {
+            alpha: f(self.alpha),
+            half: f(self.half),
+            sin_half: f(self.sin_half),
+            cos_half: f(self.cos_half),
+            cos: f(self.cos),
+        }
+    }
 }
 
 impl Trigonometric {
@@ -70,7 +105,10 @@ impl Trigonometric {
         if alpha > Self::MAX {
             Err(TrigonometricError::TooLarge { alpha })
         } else if alpha >= Self::MIN {
-            Ok(Self { alpha })
+            Ok(Self {
+                factors: Factors::new(alpha),
+                enclosed: Factors::new(alpha),
+            })
         } else {
             Err(TrigonometricError::TooSmall { alpha })
         }
@@ -78,14 +116,18 @@ impl Trigonometric {
 
     /// The angle in radians.
     pub fn alpha(&self) -> f64 {
-        self.alpha
+        self.factors.alpha
     }
 
-    fn series<S: Scalar>(&self, t: S, order: usize) -> [Series<S>; 4] {
-        let a = S::from(self.alpha);
-        let half = S::from(0.5 * self.alpha);
+    fn series<S: Number>(factors: Factors<S>, t: S, order: usize) -> [Series<S>; 4] {
+        let Factors {
+            alpha: a,
+            half,
+            sin_half,
+            cos_half,
+            cos: c,
+        } = factors;
         let two = S::from(2.0);
-        let (sin_half, cos_half) = (half.sin(), half.cos());
         let sin_cos = |angle: S, rate: S| {
             let mut x = Series::constant(angle, order);
             if order > 0 {
@@ -100,18 +142,20 @@ impl Trigonometric {
         let near1 = sin_y.scale(unit);
         // With x = αt/2 and y = α(1-t)/2 the sines of α(1+t)/2 = α - y and α(1+t/2) = α + x by the addition theorem:
         // near π the sums would round away what is left of sin α = 2 sin(α/2) cos(α/2).
-        let (s, c) = (two * sin_half * cos_half, a.cos());
+        let s = two * sin_half * cos_half;
         let far0 = (s * cos_y.c[0] - c * sin_y.c[0]) * unit;
         let zero = cos_x.scale(s).add(&sin_x.scale(c));
         // p' = -(α²/(2 sin²(α/2))) sin(αt)/α: differentiating the product instead would cancel.
         let factor = two * (half * unit).sqr();
-        let slope = sin_cos(a * t, a).0.scale(factor / a);
         let mut p = Series::constant(far0 * near1.c[0], order);
         let mut q = Series::constant(near0.c[0].sqr(), order);
-        for k in 1..=order {
-            let d = slope.c[k - 1] / S::from(k as f64);
-            p.c[k] = -d;
-            q.c[k] = d;
+        if order > 0 {
+            let slope = sin_cos(a * t, a).0.scale(factor / a);
+            for k in 1..=order {
+                let d = slope.c[k - 1] / S::from(k as f64);
+                p.c[k] = -d;
+                q.c[k] = d;
+            }
         }
         let mut p1 = p.clone();
         p1.c[0] = p1.c[0] + S::ONE;
@@ -123,9 +167,9 @@ impl Trigonometric {
         [p.sqr(), h2, h3, q.mul(&p1)]
     }
 
-    fn write<S: Scalar>(&self, t: S, order: usize, out: &mut [S]) {
+    fn write<S: Number>(factors: Factors<S>, t: S, order: usize, out: &mut [S]) {
         let mut d: SmallVec<[S; 6]> = SmallVec::from_elem(S::ZERO, order + 1);
-        for (i, h) in self.series(t, order).iter().enumerate() {
+        for (i, h) in Self::series(factors, t, order).iter().enumerate() {
             h.write_derivatives(&mut d);
             for (k, &d) in d.iter().enumerate() {
                 out[4 * k + i] = d;
@@ -144,10 +188,14 @@ impl Functions for Trigonometric {
     }
 
     fn jet_into(&self, t: f64, _limit: Limit, order: usize, out: &mut [f64]) {
-        self.write(t, order, out);
+        Self::write(self.factors, t, order, out);
+    }
+
+    fn pack_into(&self, t: Pack, _limit: Limit, order: usize, out: &mut [Pack]) {
+        Self::write(self.factors.map(Pack::from), t, order, out);
     }
 
     fn enclose_piece(&self, t: Interval, _limit: Limit, order: usize, out: &mut [Interval]) {
-        self.write(t, order, out);
+        Self::write(self.enclosed, t, order, out);
     }
 }

@@ -6,10 +6,10 @@ use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::curve::{Curve, quotient_rule};
 use crate::interval::Interval;
-use crate::scalar::Scalar;
+use crate::scalar::{Number, Pack};
 use glam::{DAffine3, DVec3, DVec4, Vec4Swizzles};
+use pulp::bytemuck::cast_slice_mut;
 use smallvec::SmallVec;
-use std::ops::Range;
 use thiserror::Error;
 
 /// What can be wrong with the data of a Bézier or NURBS curve or surface.
@@ -280,13 +280,17 @@ impl NurbsCurve {
         }
     }
 
-    /// Homogeneous derivatives measured from `origin + shift`, then the quotient rule.
-    fn eval<S: Scalar>(&self, basis: &[S], range: Range<usize>, shift: [S; 3], out: &mut [[S; 3]]) {
+    /// The sum of the active points, `n` of them, measured from `origin` or another point; then the quotient rule.
+    fn eval<S: Number>(
+        &self,
+        basis: &[S],
+        n: usize,
+        point: impl Fn(usize) -> [S; 4],
+        out: &mut [[S; 3]],
+    ) {
         let mut h: SmallVec<[[S; 4]; 4]> = SmallVec::from_elem([S::ZERO; 4], out.len());
-        let n = range.len();
-        for (i, p) in self.local[range].iter().enumerate() {
-            let [x, y, z, w] = p.to_array().map(S::from);
-            let c = [x - shift[0] * w, y - shift[1] * w, z - shift[2] * w, w];
+        for i in 0..n {
+            let c = point(i);
             for (k, h) in h.iter_mut().enumerate() {
                 let f = basis[k * n + i];
                 for a in 0..4 {
@@ -295,11 +299,13 @@ impl NurbsCurve {
             }
         }
         if self.rational {
-            quotient_rule(&h, out);
-        } else {
-            let w = S::from(self.points[0].w);
-            for (o, h) in out.iter_mut().zip(&h) {
-                *o = [h[0] / w, h[1] / w, h[2] / w];
+            return quotient_rule(&h, out);
+        }
+        let w = self.points[0].w;
+        for (o, h) in out.iter_mut().zip(&h) {
+            *o = [h[0], h[1], h[2]];
+            if w != 1.0 {
+                *o = o.map(|x| x / S::from(w));
             }
         }
     }
@@ -311,16 +317,32 @@ impl Curve for NurbsCurve {
     }
 
     fn jet_into(&self, t: f64, limit: Limit, out: &mut [DVec3]) {
-        let order = out.len() - 1;
-        let range = self.basis.active(t, limit);
-        let mut basis: SmallVec<[f64; 16]> = SmallVec::from_elem(0.0, out.len() * range.len());
-        self.basis.jet_into(t, limit, order, &mut basis);
-        let mut r: SmallVec<[[f64; 3]; 4]> = SmallVec::from_elem([0.0; 3], out.len());
-        self.eval(&basis, range, [0.0; 3], &mut r);
-        for (o, r) in out.iter_mut().zip(&r) {
-            *o = DVec3::from_array(*r);
-        }
+        let mut basis = SmallVec::new();
+        let range = self.basis.active_jet(t, limit, out.len() - 1, &mut basis);
+        let points = &self.local[range];
+        let point = |i: usize| points[i].to_array();
+        self.eval(&basis, points.len(), point, cast_slice_mut(out));
         out[0] += self.origin;
+    }
+
+    fn pack_into(&self, t: Pack, limit: Limit, out: &mut [[Pack; 3]]) {
+        let (n, spans) = (self.degree() + 1, t.0.map(|t| self.basis.span(t, limit)));
+        let mut basis: SmallVec<[Pack; 8]> = SmallVec::from_elem(Pack::ZERO, out.len() * n);
+        self.basis.pack_in(spans, t, out.len() - 1, &mut basis);
+        let point = |i: usize| {
+            let mut point = [Pack::ZERO; 4];
+            for (lane, span) in spans.into_iter().enumerate() {
+                let p = self.local[span + 1 - n + i];
+                for a in 0..4 {
+                    point[a].0[lane] = p[a];
+                }
+            }
+            point
+        };
+        self.eval(&basis, n, point, out);
+        for (x, origin) in out[0].iter_mut().zip(self.origin.to_array()) {
+            *x = *x + Pack::from(origin);
+        }
     }
 
     fn enclose_piece(&self, t: Interval, limit: Limit, out: &mut [Box3]) {
@@ -335,7 +357,13 @@ impl Curve for NurbsCurve {
         let shift = at[0] - self.origin;
         let mut r: SmallVec<[[Interval; 3]; 4]> =
             SmallVec::from_elem([Interval::ENTIRE; 3], out.len());
-        self.eval(&basis, range, shift.to_array().map(Interval::point), &mut r);
+        let points = &self.local[range];
+        let point = |i: usize| {
+            let [x, y, z, w] = points[i].to_array().map(Interval::point);
+            let [a, b, c] = shift.to_array().map(Interval::point);
+            [x - a * w, y - b * w, z - c * w, w]
+        };
+        self.eval(&basis, points.len(), point, &mut r);
         for (o, r) in out.iter_mut().zip(&r) {
             *o = Box3::from(*r);
         }

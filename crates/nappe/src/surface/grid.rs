@@ -7,7 +7,9 @@
 use super::normal::all_plain;
 use super::quotient::{quotient, quotient_with};
 use super::{Core, Dir, Separable, Surface, jet_index, normal_at};
+use crate::basis::Functions;
 use crate::breaks::{Breaks, Limit};
+use crate::scalar::{Number, Pack};
 use crate::simd::{InstructionSet, Kernel, Lanes, Registers, far_from_limits};
 use glam::{DVec3, DVec4};
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
@@ -24,78 +26,100 @@ const COLUMNS: usize = 2048;
 struct Piece {
     columns: Range<usize>,
     active: Range<usize>,
-    /// Where their functions start. A block of columns, one a lane, has for each derivative and each active function one
-    /// register.
-    at: usize,
     /// All functions are [`far_from_limits`].
     moderate: bool,
     sparse: Sparse,
 }
 
+/// Hands on the functions at all parameters, as many as a pack has at a time: their derivatives, and where the lanes are
+/// among the parameters. Lanes behind the last parameter repeat it.
+#[inline(always)]
+fn in_packs(
+    functions: &dyn Functions,
+    t: &[f64],
+    order: usize,
+    mut each: impl FnMut(Range<usize>, &[Pack]),
+) {
+    /// Fewer parameters are evaluated faster one by one.
+    const FEW: usize = 3;
+    let mut pack: SmallVec<[Pack; 8]> = SmallVec::new();
+    let mut one: SmallVec<[f64; 32]> = SmallVec::new();
+    for (part, t) in t.chunks(Pack::LANES).enumerate() {
+        let last = t.len() - 1;
+        let active = functions.active(t[last], Limit::Above).len();
+        pack.resize((order + 1) * active, Pack::ZERO);
+        if t.len() < FEW {
+            one.resize(pack.len(), 0.0);
+            for (lane, &t) in t.iter().enumerate() {
+                functions.jet_into(t, Limit::Above, order, &mut one);
+                for (pack, &x) in pack.iter_mut().zip(&one) {
+                    pack.0[lane..].fill(x);
+                }
+            }
+        } else {
+            let t = Pack(std::array::from_fn(|lane| t[lane.min(last)]));
+            functions.pack_into(t, Limit::Above, order, &mut pack);
+        }
+        each(part * Pack::LANES..part * Pack::LANES + t.len(), &pack);
+    }
+}
+
 /// The functions of v at some columns.
 struct Columns {
     pieces: Vec<Piece>,
+    /// For each derivative and each active function its values at all columns, and at some behind the last.
     values: Vec<f64>,
+    /// Where the first of these lists starts, and how far apart they are: places that no register straddles.
+    start: usize,
+    stride: usize,
 }
 
 impl Columns {
-    fn new(surface: &Separable, v: &[f64], order: usize, lanes: usize) -> Self {
-        let functions = surface.functions_v();
+    fn new(surface: &Separable, v: &[f64], order: usize) -> Self {
+        let functions = surface.functions_v().as_ref();
+        let (stride, mut start) = (v.len().next_multiple_of(Pack::LANES) + Pack::LANES, 0);
+        let mut values = Vec::new();
+        in_packs(functions, v, order, |columns, pack| {
+            if values.is_empty() {
+                values.resize(pack.len() * stride + Pack::LANES, 0.0);
+                start = values.as_ptr().align_offset(size_of::<Pack>());
+            }
+            for (values, pack) in values[start..].chunks_exact_mut(stride).zip(pack) {
+                values[columns.start..][..Pack::LANES].copy_from_slice(&pack.0);
+            }
+        });
         let active: Vec<_> = v
             .iter()
             .map(|&v| functions.active(v, Limit::Above))
             .collect();
-        let (mut pieces, mut values) = (Vec::new(), Vec::new());
-        let (mut one, mut all) = (Vec::new(), Vec::new());
-        let mut start = 0;
-        for same in active.chunk_by(|a, b| a == b) {
-            let (active, count) = (same[0].clone(), same.len());
-            one.resize((order + 1) * active.len(), 0.0);
-            all.clear();
-            for &v in &v[start..][..count] {
-                functions.jet_into(v, Limit::Above, order, &mut one);
-                all.extend_from_slice(&one);
-            }
-            let at = values.len();
-            for block in (0..count).step_by(lanes) {
-                let first = first_of_block(block, count, lanes);
-                for k in 0..one.len() {
-                    // Lanes without a column repeat the last one.
-                    let columns = (first..first + lanes).map(|c| c.min(count - 1));
-                    values.extend(columns.map(|c| all[c * one.len() + k]));
-                }
-            }
-            pieces.push(Piece {
-                columns: start..start + count,
-                at,
-                moderate: all.iter().all(|&x| far_from_limits(x)),
-                sparse: Sparse::new(surface, &active),
+        let mut end = 0;
+        let piece = |same: &[Range<usize>]| {
+            let (active, columns) = (same[0].clone(), end..end + same.len());
+            end = columns.end;
+            let moderate = |f: &[f64]| f[columns.clone()].iter().all(|&x| far_from_limits(x));
+            Piece {
+                moderate: surface.is_rational()
+                    && values[start..].chunks_exact(stride).all(moderate),
+                sparse: Sparse::new(surface, &active, stride),
+                columns,
                 active,
-            });
-            start += count;
+            }
+        };
+        let pieces = active.chunk_by(|a, b| a == b).map(piece).collect();
+        Self {
+            pieces,
+            values,
+            start,
+            stride,
         }
-        Self { pieces, values }
     }
-
-    /// The functions of a piece.
-    fn of(&self, piece: usize) -> &[f64] {
-        let end = self.pieces.get(piece + 1).map(|next| next.at);
-        &self.values[self.pieces[piece].at..end.unwrap_or(self.values.len())]
-    }
-}
-
-/// The first column of the block that would start at `block`. The last one is full too where it can be: some columns are
-/// then evaluated twice.
-#[inline(always)]
-fn first_of_block(block: usize, columns: usize, lanes: usize) -> usize {
-    block.min(columns.saturating_sub(lanes))
 }
 
 /// The part of a sparse core that a piece sees; empty if the core is a net.
 #[derive(Default)]
 struct Sparse {
-    /// For each coordinate the active functions of v that it depends on, side by side: most functions of a Coons surface
-    /// move one coordinate. One with fewer has more of the first function, with vectors that stay zero.
+    /// For each coordinate where the active functions of v start that it depends on, side by side: most functions of a
+    /// Coons surface move one coordinate. One with fewer has more of the first function, with vectors that stay zero.
     used: Vec<[usize; 4]>,
     products: Vec<Product>,
 }
@@ -108,7 +132,7 @@ struct Product {
 }
 
 impl Sparse {
-    fn new(surface: &Separable, active: &Range<usize>) -> Self {
+    fn new(surface: &Separable, active: &Range<usize>, stride: usize) -> Self {
         let Core::Terms(terms) = surface.core() else {
             return Self::default();
         };
@@ -123,7 +147,7 @@ impl Sparse {
             js.dedup();
             used.resize(js.len().max(used.len()), [0; 4]);
             for (used, j) in used.iter_mut().zip(&js) {
-                used[c] = j - active.start;
+                used[c] = (j - active.start) * stride;
             }
             products.extend(terms.filter_map(|t| {
                 let slot = js.binary_search(&t.j).ok()?;
@@ -204,54 +228,70 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
 ) {
     let (side, count) = (surface.functions_u(), surface.functions_v().count());
     let mut all = vec![[0.0; 4]; (ORDER + 1) * count];
-    let mut k = Vec::new();
-    let mut a: SmallVec<[f64; 32]> = SmallVec::new();
+    let (mut a, mut sparse) = (Vec::new(), Vec::new());
     let mut spare = vec![0.0; O::EACH * R::LANES];
     for (tile, columns) in v.chunks(COLUMNS).enumerate() {
-        let columns = Columns::new(surface, columns, ORDER, R::LANES);
-        for (row, &u) in u.iter().enumerate() {
-            let active = side.active_jet(u, Limit::Above, ORDER, &mut a);
-            if let Some(net) = net {
-                collapse_net(&a, &net[active.start * count..], count, &mut all);
-            }
-            for (index, piece) in columns.pieces.iter().enumerate() {
-                if net.is_some() {
-                    k.clear();
-                    for all in all.chunks_exact(count) {
-                        k.extend_from_slice(&all[piece.active.clone()]);
+        let Columns {
+            pieces,
+            values,
+            start,
+            stride,
+        } = Columns::new(surface, columns, ORDER);
+        in_packs(
+            side.as_ref(),
+            u,
+            ORDER,
+            #[inline(always)]
+            |rows, pack| {
+                for (lane, row) in rows.enumerate() {
+                    let active = side.active(u[row], Limit::Above);
+                    a.clear();
+                    a.extend(pack.iter().map(|f| f.0[lane]));
+                    if let Some(net) = net {
+                        collapse_net(&a, &net[active.start * count..], count, &mut all);
                     }
-                } else {
-                    piece.sparse.collapse(&a, &active, ORDER + 1, &mut k);
-                }
-                let (first, width) = (tile * COLUMNS + piece.columns.start, piece.columns.len());
-                let out = &mut out[O::EACH * (row * v.len() + first)..][..O::EACH * width];
-                let short = width < R::LANES;
-                let places = if short { &mut spare } else { &mut *out };
-                let strip = Strip {
-                    r,
-                    row,
-                    columns: first..first + width,
-                    active: piece.active.len(),
-                    functions: R::arrays(columns.of(index)),
-                    k: &k,
-                    quick: D == 4
-                        && ORDER < 2
-                        && piece.moderate
-                        && k.as_flattened().iter().all(|&x| far_from_limits(x)),
-                };
-                match (net, JET, strip.active) {
-                    (None, ..) => {
-                        strip.sparse::<D, ORDER, JET>(&piece.sparse.used, places, output);
+                    for piece in &pieces {
+                        let slots = if net.is_some() {
+                            piece.active.len()
+                        } else {
+                            piece.sparse.collapse(&a, &active, ORDER + 1, &mut sparse);
+                            piece.sparse.used.len()
+                        };
+                        let k = std::array::from_fn(|p| match net {
+                            _ if p > ORDER => &[][..],
+                            Some(_) => &all[p * count + piece.active.start..][..slots],
+                            None => &sparse[p * slots..][..slots],
+                        });
+                        let (first, width) =
+                            (tile * COLUMNS + piece.columns.start, piece.columns.len());
+                        let out = &mut out[O::EACH * (row * v.len() + first)..][..O::EACH * width];
+                        let short = width < R::LANES;
+                        let places = if short { &mut spare } else { &mut *out };
+                        let moderate =
+                            |k: &&[[f64; 4]]| k.as_flattened().iter().all(|&x| far_from_limits(x));
+                        let strip = Strip {
+                            r,
+                            row,
+                            columns: first..first + width,
+                            functions: &values[start + piece.columns.start..],
+                            stride,
+                            active: piece.active.len(),
+                            k,
+                            quick: D == 4 && ORDER < 2 && piece.moderate && k.iter().all(moderate),
+                        };
+                        match net {
+                            Some(_) => strip.dense::<D, ORDER, JET>(places, output),
+                            None => {
+                                strip.sparse::<D, ORDER, JET>(&piece.sparse.used, places, output);
+                            }
+                        }
+                        if short {
+                            out.copy_from_slice(&spare[..out.len()]);
+                        }
                     }
-                    (_, 1, 3) => strip.unrolled::<D, 3, JET>(places, output),
-                    (_, 1, 4) => strip.unrolled::<D, 4, JET>(places, output),
-                    _ => strip.dense::<D, ORDER, JET>(places, output),
                 }
-                if short {
-                    out.copy_from_slice(&spare[..out.len()]);
-                }
-            }
-        }
+            },
+        );
     }
 }
 
@@ -279,11 +319,13 @@ struct Strip<'a, R: Registers> {
     r: R,
     row: usize,
     columns: Range<usize>,
+    /// The values of the functions of v from the first column on, one list after the other.
+    functions: &'a [f64],
+    stride: usize,
     /// The number of active functions.
     active: usize,
-    functions: &'a [R::Array],
     /// The vectors of the row that the functions take, for each derivative by u.
-    k: &'a [[f64; 4]],
+    k: [&'a [[f64; 4]]; KERNEL_ORDER + 1],
     /// Quotients may be computed with [`Lanes::div_by`].
     quick: bool,
 }
@@ -296,53 +338,11 @@ impl<R: Registers> Strip<'_, R> {
         out: &mut [f64],
         output: &impl Output<R, JET>,
     ) {
-        let r = self.r;
-        self.blocks::<_, D, ORDER, JET>(
+        self.sums::<_, D, ORDER, JET>(
+            #[inline(always)]
+            |j, _| j * self.stride,
             out,
             output,
-            #[inline(always)]
-            |f, k| {
-                let mut sum = [r.splat(0.0); D];
-                for (f, k) in f.iter().zip(k) {
-                    let f = r.load(*f);
-                    for c in 0..D {
-                        sum[c] = r.add_product(sum[c], f, r.splat(k[c]));
-                    }
-                }
-                sum
-            },
-        );
-    }
-
-    /// The same for points alone and `N` functions, with the row in registers.
-    #[inline(always)]
-    fn unrolled<const D: usize, const N: usize, const JET: usize>(
-        &self,
-        out: &mut [f64],
-        output: &impl Output<R, JET>,
-    ) {
-        let r = self.r;
-        let mut k = [[r.splat(0.0); D]; N];
-        for j in 0..N {
-            for c in 0..D {
-                k[j][c] = r.splat(self.k[j][c]);
-            }
-        }
-        self.blocks::<_, D, 0, JET>(
-            out,
-            output,
-            #[inline(always)]
-            |f, _| {
-                let mut sum = [r.splat(0.0); D];
-                let f = &f[..N];
-                for j in 0..N {
-                    let f = r.load(f[j]);
-                    for c in 0..D {
-                        sum[c] = r.add_product(sum[c], f, k[j][c]);
-                    }
-                }
-                sum
-            },
         );
     }
 
@@ -354,16 +354,86 @@ impl<R: Registers> Strip<'_, R> {
         out: &mut [f64],
         output: &impl Output<R, JET>,
     ) {
+        let used = &used[..self.k[0].len()];
+        self.sums::<_, D, ORDER, JET>(
+            #[inline(always)]
+            |j, c| used[j][c],
+            out,
+            output,
+        );
+    }
+
+    /// The values of the j-th function that the coordinate c has start at `place(j, c)`.
+    #[inline(always)]
+    fn sums<
+        P: Fn(usize, usize) -> usize + Copy,
+        const D: usize,
+        const ORDER: usize,
+        const JET: usize,
+    >(
+        &self,
+        place: P,
+        out: &mut [f64],
+        output: &impl Output<R, JET>,
+    ) {
+        match (JET, self.k[0].len()) {
+            (1, 3) => self.unrolled::<P, D, 3, JET>(place, out, output),
+            (1, 4) => self.unrolled::<P, D, 4, JET>(place, out, output),
+            (1, 5) => self.unrolled::<P, D, 5, JET>(place, out, output),
+            (1, 6) => self.unrolled::<P, D, 6, JET>(place, out, output),
+            _ => {
+                let r = self.r;
+                self.blocks::<_, D, ORDER, JET>(
+                    out,
+                    output,
+                    #[inline(always)]
+                    |column, p, q| {
+                        let functions = &self.functions[q * self.active * self.stride + column..];
+                        let mut sum = [r.splat(0.0); D];
+                        for (j, k) in self.k[p].iter().enumerate() {
+                            for c in 0..D {
+                                let f = load(r, functions, place(j, c));
+                                sum[c] = r.add_product(sum[c], f, r.splat(k[c]));
+                            }
+                        }
+                        sum
+                    },
+                );
+            }
+        }
+    }
+
+    /// The same for points alone and `N` functions, with the row in registers. The sums start from their first products:
+    /// a zero less changes at most the sign of a sum that is zero, and that is lost when the origin is added.
+    #[inline(always)]
+    fn unrolled<P: Fn(usize, usize) -> usize, const D: usize, const N: usize, const JET: usize>(
+        &self,
+        place: P,
+        out: &mut [f64],
+        output: &impl Output<R, JET>,
+    ) {
         let r = self.r;
-        self.blocks::<_, D, ORDER, JET>(
+        let mut k = [[r.splat(0.0); D]; N];
+        for j in 0..N {
+            for c in 0..D {
+                k[j][c] = r.splat(self.k[0][j][c]);
+            }
+        }
+        self.blocks::<_, D, 0, JET>(
             out,
             output,
             #[inline(always)]
-            |f, k| {
-                let mut sum = [r.splat(0.0); D];
-                for (js, k) in used.iter().zip(k) {
+            |column, _, _| {
+                let functions = &self.functions[column..];
+                let mut sum = k[0];
+                for j in 0..N {
                     for c in 0..D {
-                        sum[c] = r.add_product(sum[c], r.load(f[js[c]]), r.splat(k[c]));
+                        let f = load(r, functions, place(j, c));
+                        sum[c] = if j == 0 {
+                            r.mul(f, k[j][c])
+                        } else {
+                            r.add_product(sum[c], f, k[j][c])
+                        };
                     }
                 }
                 sum
@@ -371,48 +441,100 @@ impl<R: Registers> Strip<'_, R> {
         );
     }
 
-    /// All blocks; `sum` gives `Σ_j b_j K_j` in `D` coordinates.
+    /// All blocks of neighbouring columns, one a lane; `sum` gives `Σ_j b_j⁽ᑫ⁾ K_j⁽ᵖ⁾` in `D` coordinates from a column on.
     #[inline(always)]
     fn blocks<O: Output<R, JET>, const D: usize, const ORDER: usize, const JET: usize>(
         &self,
         out: &mut [f64],
         output: &O,
-        sum: impl Fn(&[R::Array], &[[f64; 4]]) -> [R::Register; D],
+        sum: impl Fn(usize, usize, usize) -> [R::Register; D],
     ) {
-        let (r, n) = (self.r, self.active);
-        let slots = self.k.len() / (ORDER + 1);
-        let zero = Lanes::splat(r, 0.0);
-        for (block, f) in self.functions.chunks_exact((ORDER + 1) * n).enumerate() {
-            let mut h = [[zero; 4]; JET];
-            for p in 0..=ORDER {
-                for q in 0..=ORDER - p {
-                    let sum = sum(&f[q * n..][..n], &self.k[p * slots..][..slots]);
-                    for c in 0..D {
-                        h[jet_index(p, q)][c] = Lanes(r, sum[c]);
-                    }
-                }
+        let width = self.columns.len();
+        // The last block is full too where it can be: some columns are then evaluated twice.
+        let most = width.saturating_sub(R::LANES);
+        let columns = (0..width).step_by(R::LANES);
+        if D == 4 && JET == 1 {
+            // The reciprocal of the next block is under way while the quotients of one are taken.
+            let mut block = self.begin::<D, ORDER, JET>(0, &sum);
+            for column in columns.skip(1) {
+                let next = self.begin::<D, ORDER, JET>(column.min(most), &sum);
+                self.end::<O, D, JET>(&block, out, output);
+                block = next;
             }
-            let mut x = [[zero; 3]; JET];
-            if D == 3 {
-                for k in 0..JET {
-                    x[k] = [h[k][0], h[k][1], h[k][2]];
-                }
-            } else if self.quick {
-                let w = h[0][3];
-                let inverse = Lanes::splat(r, 1.0) / w;
-                x = quotient_with(
-                    &h,
-                    #[inline(always)]
-                    |x| x.div_by(w, inverse),
-                );
-            } else {
-                x = quotient(&h);
+            self.end::<O, D, JET>(&block, out, output);
+        } else {
+            for column in columns {
+                let block = self.begin::<D, ORDER, JET>(column.min(most), &sum);
+                self.end::<O, D, JET>(&block, out, output);
             }
-            let first = first_of_block(block * R::LANES, self.columns.len(), R::LANES);
-            let room = &mut out[O::EACH * first..][..O::EACH * R::LANES];
-            output.put(self.row, self.columns.start + first, &x, room);
         }
     }
+
+    /// The homogeneous derivatives of a block.
+    #[inline(always)]
+    fn begin<const D: usize, const ORDER: usize, const JET: usize>(
+        &self,
+        column: usize,
+        sum: &impl Fn(usize, usize, usize) -> [R::Register; D],
+    ) -> Block<R, JET> {
+        let zero = Lanes::splat(self.r, 0.0);
+        let mut h = [[zero; 4]; JET];
+        for p in 0..=ORDER {
+            for q in 0..=ORDER - p {
+                let sum = sum(column, p, q);
+                for c in 0..D {
+                    h[jet_index(p, q)][c] = Lanes(self.r, sum[c]);
+                }
+            }
+        }
+        let inverse = if D == 4 && self.quick {
+            Lanes::splat(self.r, 1.0) / h[0][3]
+        } else {
+            zero
+        };
+        Block { column, h, inverse }
+    }
+
+    /// What is made of them.
+    #[inline(always)]
+    fn end<O: Output<R, JET>, const D: usize, const JET: usize>(
+        &self,
+        Block { column, h, inverse }: &Block<R, JET>,
+        out: &mut [f64],
+        output: &O,
+    ) {
+        let mut x = [[*inverse; 3]; JET];
+        if D == 3 {
+            for k in 0..JET {
+                x[k] = [h[k][0], h[k][1], h[k][2]];
+            }
+        } else if self.quick {
+            x = quotient_with(
+                h,
+                #[inline(always)]
+                |x| x.div_by(h[0][3], *inverse),
+            );
+        } else {
+            x = quotient(h);
+        }
+        let room = &mut out[O::EACH * column..][..O::EACH * R::LANES];
+        output.put(self.row, self.columns.start + column, &x, room);
+    }
+}
+
+/// A register of the values from a place on.
+#[inline(always)]
+fn load<R: Registers>(r: R, values: &[f64], place: usize) -> R::Register {
+    r.load(R::arrays(&values[place..][..R::LANES])[0])
+}
+
+/// A register of neighbouring columns.
+struct Block<R: Registers, const JET: usize> {
+    column: usize,
+    /// Their homogeneous derivatives.
+    h: [[Lanes<R>; 4]; JET],
+    /// Of the denominators, where quotients are computed with it.
+    inverse: Lanes<R>,
 }
 
 /// The numbers of a vector in all lanes.
@@ -459,10 +581,9 @@ impl<const ORDER: usize, const JET: usize> Kernel for Jets<'_, ORDER, JET> {
     #[inline(always)]
     fn run<R: Registers>(self, r: R) {
         let Grid { surface, u, v, out } = self.0;
-        let output = JetOutput {
-            r,
-            origin: surface.origin(),
-        };
+        // Without negative zeros, so that the sum with a zero of any sign has the positive one.
+        let origin = surface.origin() + DVec3::ZERO;
+        let output = JetOutput { r, origin };
         evaluate::<R, _, ORDER, JET>(r, surface, [u, v], cast_slice_mut(out), &output);
     }
 }

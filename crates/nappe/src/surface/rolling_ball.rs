@@ -6,11 +6,11 @@
 //! it (differentiate the contact condition). The section is its arc from p0 to p2, with `a_i = p_i - m`:
 //! apex `p1 = m + (a0 + a2) ρ²/(ρ² + a0·a2)`, weight `w = cos(α/2) = √((ρ² + a0·a2)/(2ρ²))`.
 
-use crate::basis::{Functions, FunctionsRef};
+use crate::basis::{Functions, FunctionsRef, Value};
 use crate::breaks::{Break, Breaks, Limit, UNIT_BREAKS};
 use crate::frame::Frame;
 use crate::interval::Interval;
-use crate::scalar::Scalar;
+use crate::scalar::{Number, Pack};
 use crate::series::{Series, series_dot, series_norm2};
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -63,25 +63,25 @@ pub(super) struct RollingBall {
 type Vector<S> = [Series<S>; 3];
 
 /// Centre, normals and radius as series of the same order.
-pub(super) struct Ball<S: Scalar> {
+pub(super) struct Ball<S: Number> {
     pub centre: Vector<S>,
     pub normals: [Vector<S>; 2],
     pub radius: Series<S>,
 }
 
-fn constant<S: Scalar>(v: DVec3, order: usize) -> Vector<S> {
+fn constant<S: Number>(v: DVec3, order: usize) -> Vector<S> {
     v.to_array().map(|x| Series::constant(S::from(x), order))
 }
 
-fn along<S: Scalar>(d: DVec3, s: &Series<S>) -> Vector<S> {
+fn along<S: Number>(d: DVec3, s: &Series<S>) -> Vector<S> {
     d.to_array().map(|x| s.scale(S::from(x)))
 }
 
-fn sum<S: Scalar>(a: &Vector<S>, b: &Vector<S>) -> Vector<S> {
+fn sum<S: Number>(a: &Vector<S>, b: &Vector<S>) -> Vector<S> {
     std::array::from_fn(|k| a[k].add(&b[k]))
 }
 
-fn times<S: Scalar>(a: &Vector<S>, s: &Series<S>) -> Vector<S> {
+fn times<S: Number>(a: &Vector<S>, s: &Series<S>) -> Vector<S> {
     std::array::from_fn(|k| a[k].mul(s))
 }
 
@@ -106,13 +106,13 @@ impl RollingBall {
         }
     }
 
-    /// The radius' series at a parameter.
-    fn radius_at(&self, u: f64, limit: Limit, order: usize) -> Series<f64> {
+    /// The radius' series at a parameter, or at those of a pack.
+    fn radius_at<S: Value>(&self, u: S, limit: Limit, order: usize) -> Series<S> {
         match &self.radius {
-            Radius::Constant(r) => Series::constant(*r, order),
+            Radius::Constant(r) => Series::constant(S::from(*r), order),
             Radius::Along(f) => {
-                let mut d: SmallVec<[f64; 8]> = SmallVec::from_elem(0.0, order + 1);
-                f.jet_into(u, limit, order, &mut d);
+                let mut d: SmallVec<[S; 8]> = SmallVec::from_elem(S::ZERO, order + 1);
+                S::jet(f.as_ref(), u, limit, order, &mut d);
                 Series::from_derivatives(&d)
             }
         }
@@ -132,7 +132,7 @@ impl RollingBall {
     }
 
     /// The ball at a parameter.
-    pub(super) fn ball<S: Scalar>(&self, u: S, radius: Series<S>) -> Ball<S> {
+    pub(super) fn ball<S: Number>(&self, u: S, radius: Series<S>) -> Ball<S> {
         let order = radius.order();
         let [from, to] = self.range.map(S::from);
         let s = Series::variable(u, order)
@@ -206,7 +206,7 @@ impl RollingBall {
         out
     }
 
-    fn write<S: Scalar>(&self, u: S, radius: Series<S>, order: usize, out: &mut [S]) {
+    fn write<S: Number>(&self, u: S, radius: Series<S>, order: usize, out: &mut [S]) {
         let functions = sections(&self.ball(u, radius));
         let mut row: SmallVec<[S; 8]> = SmallVec::from_elem(S::ZERO, order + 1);
         for (f, series) in functions.iter().enumerate() {
@@ -265,14 +265,14 @@ pub(super) const MARGINS: usize = 4;
 pub(super) const COUNT: usize = 11;
 
 /// The distance of the ball's centre from the cylinder's axis.
-fn distance<S: Scalar>(c: &Cylinder, radius: &Series<S>) -> Series<S> {
+fn distance<S: Number>(c: &Cylinder, radius: &Series<S>) -> Series<S> {
     radius
         .scale(S::from(c.side))
         .add(&Series::constant(S::from(c.radius), radius.order()))
 }
 
 /// The functions of the sections, one order shorter than the ball's series.
-fn sections<S: Scalar>(ball: &Ball<S>) -> [Series<S>; COUNT] {
+fn sections<S: Number>(ball: &Ball<S>) -> [Series<S>; COUNT] {
     let r = &ball.radius;
     let (c1, r1) = (ball.centre.clone().map(|x| x.derivative()), r.derivative());
     let speed = series_norm2(&c1);
@@ -306,6 +306,15 @@ impl Functions for RollingBall {
     }
 
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {
+        self.write(t, self.radius_at(t, limit, order + 1), order, out);
+    }
+
+    fn pack_into(&self, t: Pack, limit: Limit, order: usize, out: &mut [Pack]) {
+        if let Radius::Along(f) = &self.radius
+            && t.common(|t| f.active(t, limit)).is_none()
+        {
+            return t.each_lane(out, |t, out| self.jet_into(t, limit, order, out));
+        }
         self.write(t, self.radius_at(t, limit, order + 1), order, out);
     }
 

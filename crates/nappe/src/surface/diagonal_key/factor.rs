@@ -2,11 +2,11 @@
 //! the direction of `g` is smooth where `d` passes through zero.
 
 use super::DiagonalKeyError;
-use crate::basis::FunctionsRef;
+use crate::basis::{FunctionsRef, Value};
 use crate::breaks::{Break, Breaks, Limit};
 use crate::curve::MAX_ORDER;
 use crate::interval::Interval;
-use crate::scalar::Scalar;
+use crate::scalar::{Number, Pack};
 use crate::series::Series;
 use glam::DVec3;
 
@@ -80,10 +80,10 @@ impl Factored {
         &self.breaks
     }
 
-    fn jet(&self, t: f64, limit: Limit, order: usize) -> Vec<[f64; 3]> {
-        let mut out = vec![0.0; 3 * (order + 1)];
-        self.d.jet_into(t, limit, order, &mut out);
-        out.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect()
+    fn jet<S: Value>(&self, t: S, limit: Limit, order: usize) -> Vec<[S; 3]> {
+        let mut out = vec![[S::ZERO; 3]; order + 1];
+        S::jet(self.d.as_ref(), t, limit, order, out.as_flattened_mut());
+        out
     }
 
     fn enclose_d(&self, t: Interval, limit: Limit, order: usize) -> Vec<[Interval; 3]> {
@@ -228,24 +228,25 @@ impl Factored {
 
     /// Derivatives of `(d - residual)/(v - v₀)ᵏ` by
     /// `g⁽ʲ⁾(v) = 1/(k-1)! ∫₀¹ (1-τ)ᵏ⁻¹ τʲ d⁽ᵏ⁺ʲ⁾(v₀ + τ(v - v₀)) dτ`: no cancellation near v₀.
-    fn integral(
+    fn integral<S: Value>(
         &self,
         z: &Zero,
-        v: f64,
+        v: S,
         limit: Limit,
         order: usize,
         panels: usize,
-    ) -> Vec<[f64; 3]> {
+    ) -> Vec<[S; 3]> {
         let factorial: f64 = (1..z.k).map(|i| i as f64).product();
-        let mut g = vec![[0.0; 3]; order + 1];
+        let at = S::from(z.at);
+        let mut g = vec![[S::ZERO; 3]; order + 1];
         for panel in 0..panels {
             for (x, w) in self.nodes {
                 let tau = (panel as f64 + x) / panels as f64;
-                let d = self.jet(z.at + tau * (v - z.at), limit, z.k + order);
+                let d = self.jet(at + S::from(tau) * (v - at), limit, z.k + order);
                 let mut f = w / panels as f64 * (1.0 - tau).powi(z.k as i32 - 1) / factorial;
                 for (j, g) in g.iter_mut().enumerate() {
                     for c in 0..3 {
-                        g[c] += f * d[z.k + j][c];
+                        g[c] = g[c] + S::from(f) * d[z.k + j][c];
                     }
                     f *= tau;
                 }
@@ -269,6 +270,13 @@ impl Factored {
         }
     }
 
+    /// The part that holds `v`, if it has a zero, and whether the integral form is good there.
+    fn place(&self, v: f64, limit: Limit) -> Option<(usize, bool)> {
+        let i = self.breaks.find(v, limit);
+        let z = self.zeros[i].as_ref()?;
+        Some((i, (v - z.at).abs() <= z.radius))
+    }
+
     /// The series of m and of g at `v`.
     pub(super) fn value(
         &self,
@@ -276,9 +284,32 @@ impl Factored {
         limit: Limit,
         order: usize,
     ) -> (Series<f64>, [Series<f64>; 3]) {
-        let i = self.breaks.find(v, limit);
-        let sign = self.signs[i];
-        let Some(z) = &self.zeros[i] else {
+        let sign = self.signs[self.breaks.find(v, limit)];
+        self.value_at(self.place(v, limit), sign, v, limit, order)
+    }
+
+    /// The same for a pack, if one formula is good for all lanes.
+    pub(super) fn values(
+        &self,
+        v: Pack,
+        limit: Limit,
+        order: usize,
+    ) -> Option<(Series<Pack>, [Series<Pack>; 3])> {
+        let place = v.common(|v| self.place(v, limit))?;
+        let sign = Pack(v.0.map(|v| self.signs[self.breaks.find(v, limit)]));
+        Some(self.value_at(place, sign, v, limit, order))
+    }
+
+    fn value_at<S: Value>(
+        &self,
+        place: Option<(usize, bool)>,
+        sign: S,
+        v: S,
+        limit: Limit,
+        order: usize,
+    ) -> (Series<S>, [Series<S>; 3]) {
+        let at_zero = place.and_then(|(i, near)| Some((i, self.zeros[i].as_ref()?, near)));
+        let Some((i, z, near)) = at_zero else {
             return (
                 Series::constant(sign, order),
                 times(&self.jet(v, limit, order), sign),
@@ -286,10 +317,11 @@ impl Factored {
         };
         let m = factor(z, v, sign, order);
         let limit = inward(z.at, self.breaks.piece(i));
-        let g = if (v - z.at).abs() <= z.radius {
+        let g = if near {
             times(&self.integral(z, v, limit, order, 1), sign)
         } else {
-            quotient(&self.jet(v, limit, order), &z.residual, z.at, v, &m)
+            let residual: Vec<_> = z.residual.iter().map(|r| r.map(S::from)).collect();
+            quotient(&self.jet(v, limit, order), &residual, z.at, v, &m)
         };
         (m, g)
     }
@@ -364,14 +396,14 @@ fn greatest(d: &FunctionsRef, range: Interval) -> f64 {
 }
 
 /// The series of `sign (v - v₀)ᵏ`.
-fn factor<S: Scalar>(z: &Zero, v: S, sign: S, order: usize) -> Series<S> {
+fn factor<S: Number>(z: &Zero, v: S, sign: S, order: usize) -> Series<S> {
     Series::variable(v - S::from(z.at), order)
         .powi(z.k as i32)
         .scale(sign)
 }
 
 /// Three series from derivatives, times a sign.
-fn times<S: Scalar>(d: &[[S; 3]], sign: S) -> [Series<S>; 3] {
+fn times<S: Number>(d: &[[S; 3]], sign: S) -> [Series<S>; 3] {
     [0, 1, 2].map(|c| {
         let column: Vec<S> = d.iter().map(|x| x[c]).collect();
         Series::from_derivatives(&column).scale(sign)
@@ -379,7 +411,7 @@ fn times<S: Scalar>(d: &[[S; 3]], sign: S) -> [Series<S>; 3] {
 }
 
 /// `(d - Σ_j residual_j (v - v₀)ʲ/j!) / m`.
-fn quotient<S: Scalar>(
+fn quotient<S: Number>(
     d: &[[S; 3]],
     residual: &[[S; 3]],
     at: f64,
@@ -467,6 +499,36 @@ mod tests {
                 m.mul(&g[c]).write_derivatives(&mut back);
                 for k in 0..4 {
                     assert!((back[k] - d[k][c]).abs() < 1e-11, "{v} {c} {k}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn packs_near_a_zero_beside_it_and_across_parts_are_single_values() {
+        // v (v - 1/2) (1, v, 2) as above.
+        let f = factored(&[
+            [0.0; 3],
+            [-1.0 / 6.0, 0.0, -1.0 / 3.0],
+            [0.0, -1.0 / 6.0, 0.0],
+            [0.5, 0.5, 1.0],
+        ]);
+        let pack = |from: f64, step: f64| Pack(std::array::from_fn(|l| from + step * l as f64));
+        for (t, one_formula) in [
+            (pack(0.0, 1e-3), true),
+            (pack(0.1, 0.01), true),
+            (pack(0.2, 0.02), false),
+            (pack(0.9, 0.01), true),
+        ] {
+            let values = f.values(t, Limit::Above, 2);
+            assert_eq!(values.is_some(), one_formula, "{t:?}");
+            let Some((m, g)) = values else { continue };
+            for (lane, &v) in t.0.iter().enumerate() {
+                let (m1, g1) = f.value(v, Limit::Above, 2);
+                for (pack, one) in [&m].into_iter().chain(&g).zip([&m1].into_iter().chain(&g1)) {
+                    let pack: Vec<u64> = pack.c.iter().map(|c| c.0[lane].to_bits()).collect();
+                    let one: Vec<u64> = one.c.iter().map(|c| c.to_bits()).collect();
+                    assert_eq!(pack, one, "{v}");
                 }
             }
         }

@@ -6,7 +6,7 @@ use crate::basis::{Functions, FunctionsRef};
 use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::interval::Interval;
-use crate::scalar::Scalar;
+use crate::scalar::{Number, Pack};
 use crate::series::{Series, series_cross, series_dot, series_norm2};
 use glam::{DMat3, DVec3};
 
@@ -84,7 +84,7 @@ impl Turning {
     }
 
     /// The entries from the series of m and g; `None` if the denominator may vanish.
-    fn entries<S: Scalar>(
+    fn entries<S: Number>(
         &self,
         m: &Series<S>,
         g: &[Series<S>; 3],
@@ -157,15 +157,7 @@ impl Turning {
         let bound =
             (m.c[0].abs() * series_norm2(&g).sqrt().c[0] * Interval::point(self.scale * SLACK)).hi;
         match self.entries(&m, &g, |x: Interval| x.lo > 0.0) {
-            Some(entries) => {
-                let mut d = vec![Interval::ZERO; order + 1];
-                for (i, e) in entries.iter().enumerate() {
-                    e.write_derivatives(&mut d);
-                    for (k, d) in d.iter().enumerate() {
-                        out[9 * k + i] = *d;
-                    }
-                }
-            }
+            Some(entries) => write(&entries, order, out),
             None if depth > 0 && t.width() > 0.0 && t.lo < t.mid() && t.mid() < t.hi => {
                 let m = t.mid();
                 self.enclose_to_depth(Interval { hi: m, ..t }, limit, order, depth - 1, out);
@@ -188,6 +180,17 @@ impl Turning {
     }
 }
 
+/// Writes the derivatives of the entries.
+fn write<S: Number>(entries: &[Series<S>], order: usize, out: &mut [S]) {
+    let mut d = vec![S::ZERO; order + 1];
+    for (i, e) in entries.iter().enumerate() {
+        e.write_derivatives(&mut d);
+        for (k, d) in d.iter().enumerate() {
+            out[9 * k + i] = *d;
+        }
+    }
+}
+
 impl Functions for Turning {
     fn count(&self) -> usize {
         9
@@ -200,16 +203,16 @@ impl Functions for Turning {
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {
         let (m, g) = self.d.value(t, limit, order);
         match self.entries(&m, &g, |_| true) {
-            Some(entries) => {
-                let mut d = vec![0.0; order + 1];
-                for (i, e) in entries.iter().enumerate() {
-                    e.write_derivatives(&mut d);
-                    for (k, d) in d.iter().enumerate() {
-                        out[9 * k + i] = *d;
-                    }
-                }
-            }
+            Some(entries) => write(&entries, order, out),
             None => out.fill(f64::NAN),
+        }
+    }
+
+    fn pack_into(&self, t: Pack, limit: Limit, order: usize, out: &mut [Pack]) {
+        let values = self.d.values(t, limit, order);
+        match values.and_then(|(m, g)| self.entries(&m, &g, |_| true)) {
+            Some(entries) => write(&entries, order, out),
+            None => t.each_lane(out, |t, out| self.jet_into(t, limit, order, out)),
         }
     }
 
