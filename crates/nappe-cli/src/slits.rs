@@ -2,7 +2,7 @@
 //! it; or in part only.
 
 use crate::text::{bound, number};
-use nappe::mesh::{Joint, Joints, PartialJoint, joints, partial_joints};
+use nappe::mesh::{Joint, Joints, PartialJoint, joints, near_joints, partial_joints};
 use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_model::{Model, NamedSurface};
 use serde_json::{Value, json};
@@ -15,10 +15,10 @@ pub(crate) fn notes(model: &Model, tolerance: f64) -> Vec<String> {
     let named: Vec<&NamedSurface> = model.output().collect();
     let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
     let joined = joints(&surfaces, JOINED * tolerance);
-    let near = joints(&surfaces, tolerance);
-    let mut notes = slits(model, &joined, &near, tolerance);
+    let near = near_joints(&surfaces, &joined, tolerance);
+    let mut notes = slits(model, &near, tolerance);
     notes.extend(turned(model, &joined));
-    notes.extend(Partial::of(model, tolerance).notes());
+    notes.extend(Partial::of(model, &near, tolerance).notes());
     notes
 }
 
@@ -32,10 +32,11 @@ pub(crate) struct Partial<'a> {
 }
 
 impl<'a> Partial<'a> {
-    pub(crate) fn of(model: &'a Model, tolerance: f64) -> Self {
+    /// `joined` is what is joined within the tolerance.
+    pub(crate) fn of(model: &'a Model, joined: &Joints, tolerance: f64) -> Self {
         let named: Vec<&NamedSurface> = model.output().collect();
         let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
-        let found = partial_joints(&surfaces, tolerance);
+        let found = partial_joints(&surfaces, joined, tolerance);
         Self { named, found }
     }
 
@@ -130,10 +131,9 @@ fn turned(model: &Model, joined: &Joints) -> Option<String> {
 }
 
 /// The pairs of sides that are near each other within the tolerance but leave a slit in the mesh, in words.
-fn slits(model: &Model, joined: &Joints, near: &Joints, tolerance: f64) -> Vec<String> {
+fn slits(model: &Model, near: &Joints, tolerance: f64) -> Vec<String> {
     let named: Vec<&NamedSurface> = model.output().collect();
     let unit = model.units.symbol();
-    let is_open = |(i, side): (usize, _)| joined.open[i].contains(&side);
     let slit = |j: &Joint| {
         format!(
             "note: {} and {} nearly meet, but with a gap of {} {unit} they are not joined: the mesh has a slit there\n  \
@@ -146,9 +146,7 @@ fn slits(model: &Model, joined: &Joints, near: &Joints, tolerance: f64) -> Vec<S
             bound(j.gap / JOINED, 2),
         )
     };
-    near.joints
-        .iter()
-        .filter(|j| j.gap > JOINED * tolerance && (is_open(j.first) || is_open(j.second)))
-        .map(slit)
-        .collect()
+    let slits = near.joints.iter();
+    let slits = slits.filter(|j| j.gap > JOINED * tolerance);
+    slits.map(slit).collect()
 }

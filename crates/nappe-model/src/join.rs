@@ -3,8 +3,8 @@
 use crate::build::{Builder, Built, Patch};
 use crate::curves::need;
 use crate::data::{Datum, Item, Object};
-use nappe::mesh::{Joint, joints};
-use nappe::surface::{Side, SurfaceRef};
+use nappe::mesh::{Joint, joints, near_joints};
+use nappe::surface::SurfaceRef;
 use nappe::{Box3, significant};
 use std::sync::Arc;
 
@@ -99,11 +99,10 @@ impl Builder<'_> {
         tol: [f64; 2],
     ) -> Built<()> {
         let tight = joints(surfaces, tol[0]);
-        let open = |(surface, side): (usize, Side)| tight.open[surface].contains(&side);
         let mut result = Ok(());
         if tol[1] > tol[0] {
-            for j in joints(surfaces, tol[1]).joints {
-                if j.first.0 != j.second.0 && j.gap > tol[0] && (open(j.first) || open(j.second)) {
+            for j in near_joints(surfaces, &tight, tol[1]).joints {
+                if j.first.0 != j.second.0 && j.gap > tol[0] {
                     result = Err(self.gap(o, members, &j, tol[0]));
                 }
             }

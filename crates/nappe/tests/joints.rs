@@ -4,7 +4,7 @@
 
 use nappe::curve::CurveRef;
 use nappe::exact::NurbsCurve;
-use nappe::mesh::{PartialJoint, joints, partial_joints};
+use nappe::mesh::{PartialJoint, joints, near_joints, partial_joints};
 use nappe::surface::{
     Construction, Dir, Revolution, RevolutionOptions, Side, SurfaceRef, bilinear, ruled,
 };
@@ -24,7 +24,7 @@ fn rectangle(x: f64, y: f64, width: f64, depth: f64) -> SurfaceRef {
 }
 
 fn found(surfaces: &[SurfaceRef]) -> Vec<PartialJoint> {
-    partial_joints(surfaces, WELD)
+    partial_joints(surfaces, &joints(surfaces, WELD), WELD)
 }
 
 #[test]
@@ -113,4 +113,40 @@ fn what_only_touches_or_crosses_is_not_taken_for_a_part() {
         let found = found(&[rectangle(0.0, 0.0, 2.0, 1.0), other]);
         assert!(found.is_empty(), "{name}: {found:?}");
     }
+}
+
+#[test]
+fn sides_near_open_ones_are_found_and_joined_ones_are_left_alone() {
+    let gap = 5.0 * WELD;
+    let beside = |z: f64, y: f64| -> SurfaceRef {
+        let p = |i: f64, j: f64| v(i, y + j, z);
+        Arc::new(bilinear([[p(0.0, 0.0), p(0.0, 1.0)], [p(1.0, 0.0), p(1.0, 1.0)]]).unwrap())
+    };
+    // Two sheets of two squares each, one above the other.
+    let sheets = [
+        beside(0.0, 0.0),
+        beside(0.0, 1.0),
+        beside(gap, 0.0),
+        beside(gap, 1.0),
+    ];
+    let joined = joints(&sheets, WELD);
+    assert_eq!(joined.joints.len(), 2);
+    assert!(
+        joined
+            .joints
+            .iter()
+            .all(|j| j.gap == 0.0 && j.length == 1.0)
+    );
+    let near = near_joints(&sheets, &joined, 10.0 * WELD);
+    let middle = [Side::North, Side::South];
+    for j in &near.joints {
+        assert_eq!((j.first.0 + 2, j.first.1), j.second);
+        assert!(j.first.1 != middle[j.first.0]);
+        assert!((j.gap - gap).abs() < 1e-15 && (j.length - 1.0).abs() < 1e-12);
+    }
+    assert_eq!(near.joints.len(), 6);
+    assert!(near.open.iter().all(Vec::is_empty));
+    // Farther apart than that, they stay open.
+    let far = near_joints(&sheets, &joined, 4.0 * WELD);
+    assert!(far.joints.is_empty() && far.open == joined.open);
 }

@@ -184,13 +184,14 @@ impl Taylor {
     /// Narrower enclosures of the coefficients over a box by Taylor's formula from those `at` the centre; see
     /// [`Self::range`]. It pays before a root or quotient: there wide coefficients multiply.
     pub(super) fn tightened(mut self, at: &Self, offset: [Interval; 2]) -> Self {
-        let [px, py] = offset.map(|x| {
+        let powers = offset.map(|x| {
             let mut p = vec![Interval::ONE];
             for k in 0..self.degree {
                 p.push(p[k] * x);
             }
             p
         });
+        let monomials = products(&powers, self.degree);
         for n in 0..self.degree {
             for j in 0..=n {
                 let i = n - j;
@@ -201,7 +202,7 @@ impl Taylor {
                         let top = a + b == self.degree - n;
                         let c = if top { self.c[k] } else { at.c[k] };
                         let times = Interval::point(binomial(i + a, a) * binomial(j + b, b));
-                        sum = sum + c * times * px[a] * py[b];
+                        sum = sum + c * times * monomials[jet_index(a, b)];
                     }
                 }
                 if sum.is_finite() {
@@ -293,6 +294,15 @@ impl Patch {
     }
 }
 
+/// `xᵃ yᵇ` from the powers of both, placed by [`jet_index`].
+fn products([px, py]: &[Vec<Interval>; 2], degree: usize) -> Vec<Interval> {
+    let mut out = Vec::with_capacity(jet_len(degree));
+    for n in 0..=degree {
+        out.extend((0..=n).map(|b| px[n - b] * py[b]));
+    }
+    out
+}
+
 /// Makes the enclosures `wide` of a jet over a box narrower by Taylor's formula from those `at` its middle, to
 /// the highest degree there is; `x` and `y` are the offsets from the middle.
 fn tighten(wide: &mut [Box3], at: &[Box3], [x, y]: [Interval; 2], order: usize) {
@@ -302,7 +312,7 @@ fn tighten(wide: &mut [Box3], at: &[Box3], [x, y]: [Interval; 2], order: usize) 
             .map(|k| x.powi(k as i32) / Interval::point(factorial(k)))
             .collect::<Vec<_>>()
     };
-    let (px, py) = (powers(x), powers(y));
+    let monomials = products(&[x, y].map(powers), order);
     for n in 0..order {
         for j in 0..=n {
             let i = n - j;
@@ -311,7 +321,7 @@ fn tighten(wide: &mut [Box3], at: &[Box3], [x, y]: [Interval; 2], order: usize) 
                 for b in 0..=order - n - a {
                     let k = jet_index(i + a, j + b);
                     let d = if a + b == order - n { wide[k] } else { at[k] };
-                    sum = sum + d.scale(px[a] * py[b]);
+                    sum = sum + d.scale(monomials[jet_index(a, b)]);
                 }
             }
             if sum.is_finite() {

@@ -1,7 +1,6 @@
 //! Which sides of surfaces meet, for those who ask without meshing.
 
-use super::closing;
-use super::shared::{Edge, GUESSES, Join, edge, find};
+use super::shared::find_with;
 use crate::parallel;
 use crate::surface::{Side, SurfaceRef};
 
@@ -44,8 +43,32 @@ pub struct Joints {
 /// does; but never within more than a hundredth of the length of a side or of the surface across it. So an open surface
 /// that is smaller than `weld` stays open.
 pub fn joints(surfaces: &[SurfaceRef], weld: f64) -> Joints {
+    among(surfaces, weld, |_| true)
+}
+
+/// Finds the pairs of sides that agree within `weld`, larger than before, of which at least one is open in `joined`; in
+/// the result, the sides that stay open. Cost: little if there are no open sides.
+pub fn near_joints(surfaces: &[SurfaceRef], joined: &Joints, weld: f64) -> Joints {
+    if joined.open.iter().all(Vec::is_empty) {
+        return Joints {
+            joints: Vec::new(),
+            ..joined.clone()
+        };
+    }
+    among(surfaces, weld, |k| joined.is_open(k))
+}
+
+impl Joints {
+    /// True if a side, numbered as those of [`find_with`], meets nothing.
+    pub(super) fn is_open(&self, side: usize) -> bool {
+        self.open[side / 4].contains(&Side::ALL[side % 4])
+    }
+}
+
+/// Pairs of which at least one is wanted.
+fn among(surfaces: &[SurfaceRef], weld: f64, wanted: impl Fn(usize) -> bool + Sync) -> Joints {
     let threads = parallel::all_threads();
-    let shared = find(surfaces, weld, threads);
+    let shared = find_with(surfaces, weld, threads, &wanted);
     let name = |k: usize| (k / 4, Side::ALL[k % 4]);
     let mut out = Joints {
         joints: Vec::new(),
@@ -53,45 +76,25 @@ pub fn joints(surfaces: &[SurfaceRef], weld: f64) -> Joints {
         open: vec![Vec::new(); surfaces.len()],
     };
     let mut met = shared.collapsed.clone();
-    let joins = shared.joins.iter().enumerate();
-    let joins: Vec<(usize, &Join)> = joins.filter_map(|(k, j)| Some((k, j.as_ref()?))).collect();
-    let joint = |i: usize| {
-        let (k, join) = joins[i];
-        let (gap, length) = gap(&edge(surfaces, join.leader), &edge(surfaces, k), join);
-        Joint {
+    for (k, join) in shared.joins.iter().enumerate() {
+        let Some(join) = join else { continue };
+        met[k] = true;
+        met[join.leader] = true;
+        out.joints.push(Joint {
             first: name(join.leader),
             second: name(k),
             reversed: join.map.is_reversed(),
-            gap,
-            length,
-        }
-    };
-    out.joints = parallel::each(threads, joins.len(), joint, |_| false);
-    for (k, join) in joins {
-        met[k] = true;
-        met[join.leader] = true;
+            gap: join.map.gap,
+            length: join.map.length,
+        });
     }
     for k in 0..met.len() {
         let (surface, side) = name(k);
         if shared.collapsed[k] {
             out.collapsed[surface].push(side);
-        } else if !met[k] {
+        } else if !met[k] && wanted(k) {
             out.open[surface].push(side);
         }
     }
     out
-}
-
-/// The greatest distance between partners, and the length of the leading side.
-fn gap(lead: &Edge, other: &Edge, join: &Join) -> (f64, f64) {
-    let t = lead.parts(GUESSES);
-    let points = lead.points(&t);
-    let partners: Vec<f64> = t
-        .iter()
-        .zip(&points)
-        .map(|(&t, &p)| join.map.partner(0, t, p, other))
-        .collect();
-    let pairs = points.iter().zip(other.points(&partners));
-    let gap = pairs.fold(0.0, |gap: f64, (p, q)| gap.max(p.distance(q)));
-    (gap, closing::length(&points))
 }

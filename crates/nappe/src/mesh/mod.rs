@@ -42,7 +42,7 @@ mod slide;
 mod stitch;
 
 pub use flatten::{FlatCurve, FlattenError, flatten};
-pub use joints::{Joint, Joints, joints};
+pub use joints::{Joint, Joints, joints, near_joints};
 pub use options::{MeshError, MeshOptions, Progress};
 pub use partial::{PartialJoint, partial_joints};
 

@@ -1,7 +1,8 @@
 //! Sides that run along each other but are not joined, because they do not have the same ends.
 
-use super::closing::within;
-use super::shared::{Edge, GUESSES, edge, find};
+use super::closing::{length, within};
+use super::joints::Joints;
+use super::shared::{Edge, GUESSES, edge};
 use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::parallel;
@@ -36,31 +37,28 @@ pub struct PartialJoint {
 }
 
 /// Finds the sides that run along each other within `weld` but are not the same curve from end to end: a long side that
-/// two shorter ones meet, or closed sides that start at different points. At least one of the two meets nothing as a
-/// whole ([`joints`](super::joints)). [`mesh`](super::mesh) does not join them: it has two borders there.
+/// two shorter ones meet, or closed sides that start at different points. At least one of the two is open in `joined`,
+/// what [`joints`](super::joints) found within `weld`. [`mesh`](super::mesh) does not join them: it has two borders there.
 ///
-/// Sampled: a stretch shorter than a sixteenth of both sides is not seen, nor one that ends in the middle of both. Cost: a
-/// hundred points of each side, and 10³ for each pair whose boxes meet.
-pub fn partial_joints(surfaces: &[SurfaceRef], weld: f64) -> Vec<PartialJoint> {
-    let threads = parallel::all_threads();
-    let shared = find(surfaces, weld, threads);
-    let mut open: Vec<bool> = shared.joins.iter().map(Option::is_none).collect();
-    for join in shared.joins.iter().flatten() {
-        open[join.leader] = false;
+/// Sampled: a stretch shorter than a sixteenth of both sides is not seen, nor one that ends in the middle of both. Cost:
+/// little if there are no open sides; else some tens of points of each side, and 10³ for each pair whose boxes meet.
+pub fn partial_joints(surfaces: &[SurfaceRef], joined: &Joints, weld: f64) -> Vec<PartialJoint> {
+    if joined.open.iter().all(Vec::is_empty) {
+        return Vec::new();
     }
+    let threads = parallel::all_threads();
     let of_surface = |i: usize| {
-        let within = within(surfaces[i].as_ref(), weld);
-        let line = |k: usize| Line::new(edge(surfaces, k), k, within[k % 4].join);
-        let lines: Vec<Line> = (4 * i..4 * i + 4)
-            .filter(|&k| !shared.collapsed[k])
-            .map(line)
+        let sides = Side::ALL.into_iter().enumerate();
+        let lines = sides.filter(|(_, side)| !joined.collapsed[i].contains(side));
+        let lines: Vec<Line> = lines
+            .map(|(k, _)| Line::new(edge(surfaces, 4 * i + k), 4 * i + k, weld))
             .collect();
         lines
     };
     let lines = parallel::each(threads, surfaces.len(), of_surface, |_| false);
     let mut lines: Vec<Line> = lines.into_iter().flatten().collect();
     lines.sort_by(|a, b| a.hull.x.lo.total_cmp(&b.hull.x.lo));
-    let is_open = |i: &usize| open[lines[*i].number];
+    let is_open = |i: &usize| joined.is_open(lines[*i].number);
     let all: Vec<usize> = (0..lines.len()).collect();
     let open: Vec<usize> = all.iter().copied().filter(is_open).collect();
     // The stretches along which a line and later ones, of which one is open, lie on each other.
@@ -74,8 +72,7 @@ pub fn partial_joints(surfaces: &[SurfaceRef], weld: f64) -> Vec<PartialJoint> {
             .filter(|b| a.hull.touches(b.hull));
         let joint = |b: &Line| {
             let (first, second) = if a.number < b.number { (a, b) } else { (b, a) };
-            let within = a.within.min(b.within);
-            let both = [second.on(first, within), first.on(second, within)];
+            let both = [second.on(first), first.on(second)];
             let share = |s: &Option<(f64, PartialJoint)>| s.as_ref().map_or(0.0, |s| s.0);
             let [x, y] = both;
             let longer = if share(&y) > share(&x) { y } else { x };
@@ -93,92 +90,141 @@ pub fn partial_joints(surfaces: &[SurfaceRef], weld: f64) -> Vec<PartialJoint> {
 struct Line<'a> {
     number: usize,
     edge: Edge<'a>,
-    /// Samples, once another line is near: all of them together would be larger than the mesh.
-    points: OnceLock<Vec<DVec3>>,
+    weld: f64,
     /// A box around it, wide enough for whatever meets it.
     hull: Box3,
+    /// Once another line is near: the samples of all lines together would be larger than the mesh.
+    near: OnceLock<Near>,
+}
+
+/// What is known of a line that another one is near.
+struct Near {
+    /// Finer samples.
+    points: Vec<DVec3>,
+    /// Between samples the line is no farther from them than this.
+    step: f64,
+    /// What lies no farther than this lies on the line.
     within: f64,
     closed: bool,
 }
 
+/// A point of one line beside another one.
+struct Beside {
+    t: f64,
+    p: DVec3,
+    /// The parameter of the nearest point on the other line, and how far it is; if that is near enough.
+    partner: Option<(f64, f64)>,
+}
+
+/// The greatest distance between neighbours, by as much as which a side may about leave its samples.
+fn greatest_step(points: &[DVec3]) -> f64 {
+    let steps = points.windows(2).map(|p| p[0].distance(p[1]));
+    steps.fold(0.0, f64::max)
+}
+
 impl<'a> Line<'a> {
-    fn new(edge: Edge<'a>, number: usize, within: f64) -> Self {
+    fn new(edge: Edge<'a>, number: usize, weld: f64) -> Self {
         let points = edge.points(&edge.parts(SAMPLES));
-        // Between samples the side may leave the box of its samples, by about as much as they are apart.
-        let steps = points.windows(2).map(|p| p[0].distance(p[1]));
-        let margin = within + steps.fold(0.0, f64::max);
         let hull = Box3::around(points.iter().copied()).unwrap_or(Box3::ZERO);
         Self {
-            hull: hull.inflate(margin),
-            closed: points[0].distance(points[points.len() - 1]) <= within,
+            hull: hull.inflate(weld + greatest_step(&points)),
             number,
             edge,
-            points: OnceLock::new(),
-            within,
+            weld,
+            near: OnceLock::new(),
         }
     }
 
-    fn points(&self) -> &[DVec3] {
-        self.points
-            .get_or_init(|| self.edge.points(&self.edge.parts(GUESSES)))
+    fn near(&self) -> &Near {
+        self.near.get_or_init(|| {
+            let points = self.edge.points(&self.edge.parts(GUESSES));
+            let within = within(self.edge.surface, self.weld)[self.number % 4].join;
+            Near {
+                step: greatest_step(&points),
+                closed: points[0].distance(points[GUESSES]) <= within,
+                within,
+                points,
+            }
+        })
     }
 
     fn name(&self) -> (usize, Side) {
         (self.number / 4, self.edge.side)
     }
 
-    /// The parameter of the nearest point.
-    fn nearest(&self, p: DVec3) -> f64 {
-        let points = self.points();
-        let distance = |k: &usize| points[*k].distance_squared(p);
-        let best = (0..points.len())
-            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
-            .unwrap_or(0);
+    /// The sample nearest to a point, and how far it is.
+    fn guess(&self, p: DVec3) -> (usize, f64) {
+        let points = &self.near().points;
+        let distances = points.iter().map(|q| q.distance_squared(p)).enumerate();
+        let nearest = distances.min_by(|a, b| a.1.total_cmp(&b.1));
+        nearest.map_or((0, f64::NAN), |(k, squared)| (k, squared.sqrt()))
+    }
+
+    /// The parameter of the point nearest to `p`, which is near a sample.
+    fn nearest(&self, p: DVec3, guess: usize) -> f64 {
         let at = |k: usize| self.edge.sample(k.min(GUESSES), GUESSES);
-        let range = Interval::new(at(best.saturating_sub(1)), at(best + 1));
-        self.edge.nearest(p, at(best), range)
+        let range = Interval::new(at(guess.saturating_sub(1)), at(guess + 1));
+        self.edge.nearest(p, at(guess), range)
     }
 
     /// The longest stretch of this side that lies on another one, and its share of this side.
-    fn on(&self, other: &Line, within: f64) -> Option<(f64, PartialJoint)> {
-        let samples: Vec<(f64, DVec3, f64, f64)> = (0..=SAMPLES)
-            .map(|k| {
-                let t = self.edge.sample(k, SAMPLES);
-                let p = self.edge.point(t);
-                let partner = other.nearest(p);
-                (t, p, partner, other.edge.point(partner).distance(p))
+    fn on(&self, other: &Line) -> Option<(f64, PartialJoint)> {
+        let [own, near] = [self, other].map(Line::near);
+        let within = own.within.min(near.within);
+        let partner = |p: DVec3| {
+            if !other.hull.contains(p) {
+                return None;
+            }
+            let (guess, distance) = other.guess(p);
+            if distance > within + near.step {
+                return None;
+            }
+            let t = other.nearest(p, guess);
+            let distance = other.edge.point(t).distance(p);
+            (distance <= within).then_some((t, distance))
+        };
+        let points = own.points.iter().step_by(GUESSES / SAMPLES).enumerate();
+        let samples: Vec<Beside> = points
+            .map(|(k, &p)| Beside {
+                t: self.edge.sample(k, SAMPLES),
+                p,
+                partner: partner(p),
             })
             .collect();
-        let runs = samples.chunk_by(|a, b| (a.3 <= within) == (b.3 <= within));
+        let runs = samples.chunk_by(|a, b| a.partner.is_some() == b.partner.is_some());
         let mut first = 0;
         let (from, stretch) = runs
             .map(|run| {
                 first += run.len();
                 (first - run.len(), run)
             })
-            .filter(|(_, run)| run[0].3 <= within && run.len() > LEAST)
+            .filter(|(_, run)| run[0].partner.is_some() && run.len() > LEAST)
             .max_by_key(|(_, run)| run.len())?;
         // Sides that touch part in the middle of both; those that run along each other do so until one of them ends.
-        let ends_there = |next: Option<&(f64, DVec3, f64, f64)>| {
-            next.is_none_or(|s| s.2 <= other.edge.range.lo || s.2 >= other.edge.range.hi)
+        let ends_there = |next: Option<&Beside>| {
+            next.is_none_or(|s| {
+                let t = other.nearest(s.p, other.guess(s.p).0);
+                t <= other.edge.range.lo || t >= other.edge.range.hi
+            })
         };
         let before = from.checked_sub(1).and_then(|k| samples.get(k));
         if !ends_there(before) || !ends_there(samples.get(from + stretch.len())) {
             return None;
         }
-        let length: f64 = stretch.windows(2).map(|s| s[0].1.distance(s[1].1)).sum();
-        if length <= LONG * within {
+        let points: Vec<DVec3> = stretch.iter().map(|s| s.p).collect();
+        if length(&points) <= LONG * within {
             return None;
         }
-        let [a, b] = [stretch[0], stretch[stretch.len() - 1]];
+        let partners: Vec<(f64, f64)> = stretch.iter().filter_map(|s| s.partner).collect();
+        let last = stretch.len() - 1;
         let joint = PartialJoint {
             along: other.name(),
             part: self.name(),
-            range: Interval::new(a.0, b.0),
-            partners: [a.2, b.2],
-            ends: [a.1, b.1],
-            gap: stretch.iter().fold(0.0, |gap, s| s.3.max(gap)),
-            closed: self.closed && other.closed && stretch.len() == samples.len(),
+            range: Interval::new(stretch[0].t, stretch[last].t),
+            partners: [partners[0].0, partners[last].0],
+            ends: [points[0], points[last]],
+            gap: partners.iter().fold(0.0, |gap, p| p.1.max(gap)),
+            closed: own.closed && near.closed && stretch.len() == samples.len(),
         };
         Some((stretch.len() as f64 / samples.len() as f64, joint))
     }

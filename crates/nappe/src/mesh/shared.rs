@@ -4,15 +4,16 @@
 //! the other no farther than the weld distance, in order. The parametrisations may differ. Sampling decides only what is
 //! joined; how far the joined points are from each surface is measured at every vertex and counts as deviation.
 
-use super::closing;
+use super::closing::{self, Within};
 use super::lines::index;
 use crate::breaks::Limit;
 use crate::interval::Interval;
 use crate::parallel;
 use crate::surface::{Corner, Dir, Side, Surface, SurfaceRef, jet_len};
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
-use std::collections::HashMap;
+use std::sync::OnceLock;
 
 /// The number of samples along a side; partners between them are found by Newton's method from these.
 const SAMPLES: usize = 32;
@@ -149,6 +150,10 @@ pub(crate) struct Map {
     table: Vec<[f64; 2]>,
     /// True if the parameters correspond linearly.
     linear: bool,
+    /// The greatest distance of the partners that were looked at.
+    pub(super) gap: f64,
+    /// The length of the polygon through those on the leading side.
+    pub(super) length: f64,
 }
 
 impl Map {
@@ -200,26 +205,36 @@ fn linear(a: &Edge, b: &Edge, reversed: bool, weld: f64) -> Option<Map> {
     if reversed {
         t.reverse();
     }
-    let mut pairs = a.points(&s).into_iter().zip(b.points(&t));
-    let table = vec![[s[0], t[0]], [s[SAMPLES], t[SAMPLES]]];
-    pairs.all(|(p, q)| p.distance(q) <= weld).then_some(Map {
-        table,
+    let (mut gap, points) = (0.0f64, a.points(&s));
+    for (p, q) in points.iter().zip(b.points(&t)) {
+        let distance = p.distance(q);
+        if distance.is_nan() || distance > weld {
+            return None;
+        }
+        gap = gap.max(distance);
+    }
+    Some(Map {
+        table: vec![[s[0], t[0]], [s[SAMPLES], t[SAMPLES]]],
         linear: true,
+        gap,
+        length: closing::length(&points),
     })
 }
 
 fn general(a: &Edge, b: &Edge, reversed: bool, weld: f64) -> Option<Map> {
+    let s = a.parts(SAMPLES);
+    let on_a = a.points(&s);
     let mut guesses = b.parts(GUESSES);
     if reversed {
         guesses.reverse();
     }
     let points = b.points(&guesses);
     let at = |k: usize| guesses[k];
-    let mut table = vec![[a.range.lo, at(0)]];
+    let mut table = vec![[s[0], at(0)]];
+    let mut gap = on_a[0].distance(points[0]);
     let mut from = 0;
     for k in 1..SAMPLES {
-        let s = a.sample(k, SAMPLES);
-        let p = a.point(s);
+        let p = on_a[k];
         // The first local minimum from here on that is near enough decides; loops that come back are not jumped to.
         let mut best = from;
         for j in from..=GUESSES {
@@ -231,16 +246,20 @@ fn general(a: &Edge, b: &Edge, reversed: bool, weld: f64) -> Option<Map> {
         let t = b.nearest(p, at(best), Interval::new(lo, hi));
         let previous = table[table.len() - 1][1];
         let ahead = if reversed { t < previous } else { t > previous };
-        if !ahead || b.point(t).distance(p) > weld {
+        let distance = b.point(t).distance(p);
+        if !ahead || distance > weld {
             return None;
         }
-        table.push([s, t]);
+        gap = gap.max(distance);
+        table.push([s[k], t]);
         from = best.saturating_sub(1);
     }
-    table.push([a.range.hi, at(GUESSES)]);
+    table.push([s[SAMPLES], at(GUESSES)]);
     Some(Map {
         table,
         linear: false,
+        gap: gap.max(on_a[SAMPLES].distance(points[GUESSES])),
+        length: closing::length(&on_a),
     })
 }
 
@@ -284,7 +303,7 @@ pub(super) fn ends(number: usize) -> [usize; 2] {
 struct Places {
     /// The size of a cell: partners are in the same cell or the next.
     size: f64,
-    cells: HashMap<[i64; 3], SmallVec<[usize; 2]>>,
+    cells: FxHashMap<[i64; 3], SmallVec<[usize; 2]>>,
 }
 
 impl Places {
@@ -293,7 +312,7 @@ impl Places {
         let size = 2.0 * weld.max(f64::MIN_POSITIVE);
         Self {
             size,
-            cells: HashMap::new(),
+            cells: FxHashMap::default(),
         }
     }
 
@@ -321,40 +340,56 @@ impl Places {
     }
 }
 
-/// A side of a surface, measured.
-struct Measured {
-    /// The points at its ends.
-    tips: [DVec3; 2],
-    collapsed: bool,
-    /// It may be joined to another no farther than this.
-    within: f64,
+/// A surface whose sides may be joined.
+struct Measured<'a> {
+    surface: &'a dyn Surface,
+    corners: [DVec3; 4],
+    weld: f64,
+    /// How near is near enough for each side, once a side comes within the weld distance of something.
+    within: OnceLock<[Within; 4]>,
+    collapsed: [bool; 4],
 }
 
-impl Measured {
-    /// The sides of a surface.
-    fn of(surface: &dyn Surface, weld: f64) -> [Self; 4] {
-        let within = closing::within(surface, weld);
-        Side::ALL.map(|side| {
-            let (e, within) = (Edge::new(surface, side), within[side as usize]);
-            Self {
-                tips: [e.point(e.range.lo), e.point(e.range.hi)],
-                collapsed: e.is_collapsed(within.point),
-                within: within.join,
-            }
-        })
+impl<'a> Measured<'a> {
+    fn of(surface: &'a dyn Surface, weld: f64) -> Self {
+        let domain = surface.domain().map(|d| [d.lo, d.hi]);
+        let corner = |c: Corner| surface.point([0, 1].map(|d| domain[d][c.ends()[d]]));
+        let mut new = Self {
+            surface,
+            corners: Corner::ALL.map(corner),
+            weld,
+            within: OnceLock::new(),
+            collapsed: [false; 4],
+        };
+        new.collapsed = Side::ALL.map(|side| {
+            let [p, q] = new.tips(side as usize);
+            p.distance(q) <= weld
+                && Edge::new(surface, side).is_collapsed(new.within()[side as usize].point)
+        });
+        new
     }
 
-    /// The distance within which two sides may be joined.
-    fn within(&self, o: &Self) -> f64 {
-        self.within.min(o.within)
+    fn within(&self) -> &[Within; 4] {
+        self.within
+            .get_or_init(|| closing::within(self.surface, self.weld))
     }
 
-    /// True if the ends are near enough.
-    fn ends_meet(&self, o: &Self) -> bool {
-        let ([p, q], [s, e]) = (self.tips, o.tips);
-        let near = |p: DVec3, q: DVec3| p.distance(q) <= self.within(o);
+    /// The points at the ends of a side.
+    fn tips(&self, side: usize) -> [DVec3; 2] {
+        ends(side).map(|corner| self.corners[corner])
+    }
+}
+
+/// The distance within which two sides may be joined, if their ends are that near.
+fn ends_meet(measured: &[Measured], a: usize, b: usize) -> Option<f64> {
+    let [(x, i), (y, j)] = [a, b].map(|k| (&measured[k / 4], k % 4));
+    let ([p, q], [s, e]) = (x.tips(i), y.tips(j));
+    let near = |within: f64| {
+        let near = |p: DVec3, q: DVec3| p.distance(q) <= within;
         (near(p, s) && near(q, e)) || (near(p, e) && near(q, s))
-    }
+    };
+    let within = || x.within()[i].join.min(y.within()[j].join);
+    near(x.weld).then(within).filter(|&within| near(within))
 }
 
 /// What a side may be joined to.
@@ -368,25 +403,37 @@ struct Candidates {
 /// Finds what is shared within `weld`, or within a small share of what is smaller than that (see `closing`), on some
 /// threads. Cost: proportional to the number of sides, and some hundred points for each pair whose ends agree.
 pub(super) fn find(surfaces: &[SurfaceRef], weld: f64, threads: usize) -> Shared {
+    find_with(surfaces, weld, threads, |_| true)
+}
+
+/// The same, but only sides of which at least one is `wanted` are joined.
+pub(super) fn find_with(
+    surfaces: &[SurfaceRef],
+    weld: f64,
+    threads: usize,
+    wanted: impl Fn(usize) -> bool + Sync,
+) -> Shared {
     let measured = |i: usize| Measured::of(surfaces[i].as_ref(), weld);
-    let sides = parallel::each(threads, surfaces.len(), measured, |_| false);
-    let sides = sides.as_flattened();
-    let count = sides.len();
+    let measured = parallel::each(threads, surfaces.len(), measured, |_| false);
+    let count = 4 * surfaces.len();
+    let collapsed = |k: usize| measured[k / 4].collapsed[k % 4];
+    let tips = |k: usize| measured[k / 4].tips(k % 4);
     let mut places = Places::new(weld);
-    for (k, side) in sides.iter().enumerate().filter(|(_, s)| !s.collapsed) {
-        places.add(side.tips, k);
+    for k in (0..count).filter(|&k| !collapsed(k)) {
+        places.add(tips(k), k);
     }
     let join = |a: usize, b: usize| {
-        let within = sides[a].within(&sides[b]);
+        let within = ends_meet(&measured, a, b)?;
         matching(&edge(surfaces, a), &edge(surfaces, b), within)
     };
     let candidates = |b: usize| {
-        if sides[b].collapsed {
+        if collapsed(b) {
             return None;
         }
-        let near = places.near(sides[b].tips).into_iter();
+        let near = places.near(tips(b)).into_iter();
         let near: Vec<usize> = near
-            .filter(|&a| a < b && sides[a].ends_meet(&sides[b]))
+            .filter(|&a| a < b && (wanted(a) || wanted(b)))
+            .filter(|&a| ends_meet(&measured, a, b).is_some())
             .collect();
         let map = join(*near.first()?, b);
         Some(Box::new(Candidates { near, map }))
@@ -396,7 +443,7 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64, threads: usize) -> Shared
     let mut corners: Vec<usize> = (0..count).collect();
     let mut joins: Vec<Option<Join>> = vec![None; count];
     for (b, candidates) in candidates.into_iter().enumerate() {
-        if sides[b].collapsed {
+        if collapsed(b) {
             let [s, e] = ends(b);
             unite(&mut corners, s, e);
             continue;
@@ -434,7 +481,7 @@ pub(super) fn find(surfaces: &[SurfaceRef], weld: f64, threads: usize) -> Shared
     Shared {
         followers,
         joins,
-        collapsed: sides.iter().map(|s| s.collapsed).collect(),
+        collapsed: (0..count).map(collapsed).collect(),
         corners,
     }
 }

@@ -219,7 +219,7 @@ impl<'a> Findings<'a> {
             declared,
             shared,
             open,
-            in_part: Partial::of(model, tolerance),
+            in_part: Partial::of(model, &met, tolerance),
             surfaces: regular,
             passing,
         }
