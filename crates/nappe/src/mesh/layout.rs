@@ -27,8 +27,9 @@ const MAX_DEPTH: u32 = DEPTH - 4;
 const PATIENCE: u32 = 4;
 /// Squares that need more bisections than this are better looked at in parts than enclosed sharply.
 const FAR: u32 = LEVELS + 2;
-/// The shares of a block that several threads work on.
+/// The shares of a block that threads work on, and the squares to begin with.
 const SHARES: usize = 16;
+const ENOUGH: usize = 64;
 /// A grid with so few cells needs no sharper bound.
 const FEW: f64 = 2.0;
 
@@ -230,13 +231,24 @@ impl Layout {
             cells: [0, 1].map(|d| self.cells(d, block[d])),
             normal: None,
         };
-        let cells: Vec<[usize; 2]> = region.each().collect();
-        let size = cells
-            .len()
-            .div_ceil(if demand.threads > 1 { SHARES } else { 1 });
-        let shares: Vec<_> = cells.chunks(size.max(1)).collect();
-        let work = |k: usize| Work::new(surface, demand, &self.net, block).run(shares[k]);
-        for found in parallel::each(demand.threads, shares.len(), work, Result::is_err) {
+        let work = || Work::new(surface, demand, &self.net, block);
+        let mut open: Vec<Square> = region.each().map(Square::cell).collect();
+        // The largest squares first, until there are enough for all threads: so that few cells are shared as well.
+        let (mut first, mut done) = (work(), 0);
+        while (1..ENOUGH).contains(&(open.len() - done)) {
+            first.square(open[done], &mut open)?;
+            done += 1;
+        }
+        let shares: Vec<_> = open[done..]
+            .chunks(open[done..].len().div_ceil(SHARES).max(1))
+            .collect();
+        let rest = parallel::each(
+            demand.threads,
+            shares.len(),
+            |k| work().run(shares[k]),
+            Result::is_err,
+        );
+        for found in std::iter::once(Ok(first.found)).chain(rest) {
             let found = found?;
             for (square, levels) in found.squares {
                 self.net.refine(square, levels);
@@ -284,7 +296,7 @@ impl Layout {
     }
 }
 
-/// The work on some cells of a block: it needs the lines of the net alone.
+/// The work on some squares of a block: it needs the lines of the net alone.
 struct Work<'a> {
     surface: &'a dyn Surface,
     demand: &'a Demand,
@@ -294,7 +306,7 @@ struct Work<'a> {
     found: Found,
 }
 
-/// What some cells need.
+/// What some squares need.
 struct Found {
     /// How often the triangles of squares are to be bisected.
     squares: Vec<(Square, u32)>,
@@ -326,10 +338,10 @@ impl<'a> Work<'a> {
         }
     }
 
-    fn run(mut self, cells: &[[usize; 2]]) -> Result<Found, MeshError> {
+    fn run(mut self, squares: &[Square]) -> Result<Found, MeshError> {
         let mut open = Vec::new();
-        for &cell in cells {
-            open.push(Square::cell(cell));
+        for &square in squares {
+            open.push(square);
             while let Some(square) = open.pop() {
                 self.square(square, &mut open)?;
             }

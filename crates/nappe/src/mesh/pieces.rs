@@ -20,8 +20,8 @@ use glam::DVec3;
 const ORDER: usize = 6;
 /// Pieces along each direction that are enclosed together.
 const TILE: usize = 16;
-/// A rectangle over more pieces is enclosed as a whole.
-const PIECES: usize = 64;
+/// A rectangle larger than this share of a piece is enclosed by itself.
+const LARGE: f64 = 0.25;
 /// The most pieces that are kept.
 const KEPT: usize = 1 << 15;
 /// The share of derivatives that what is not known of them may be.
@@ -60,7 +60,11 @@ impl<'a> Pieces<'a> {
             let breaks = self.surface.breaks(DIRS[d]);
             breaks.find(uv[d].lo, Limit::Above)..breaks.find(uv[d].hi, Limit::Below) + 1
         });
-        if range[0].len() * range[1].len() > PIECES {
+        let shares = [0, 1].map(|d| {
+            let breaks = self.surface.breaks(DIRS[d]);
+            uv[d].width() / breaks.piece(breaks.find(uv[d].mid(), Limit::Above)).width()
+        });
+        if shares[0] * shares[1] > LARGE || shares.iter().any(|&s| s > 2.0) {
             return Enclosed::direct(self.surface, uv);
         }
         if self.kept > KEPT {
