@@ -8,8 +8,8 @@
 //! 3. `stitch`: the vertices on a shared side are the union of what its surfaces ask for, as points of the first of them;
 //! 4. `patch`: the triangles get their vertices, and those on a side also take in what other surfaces asked for.
 //!
-//! The layout and the triangles of different surfaces are independent of each other, and are made on several threads; in
-//! between, one thread finds and numbers the points on their sides.
+//! The layout and the triangles of different surfaces are independent of each other, and are made on several threads, as
+//! are the squares of one; in between, one thread finds and numbers the points on their sides.
 
 use crate::breaks::Breaks;
 use crate::parallel;
@@ -136,7 +136,7 @@ const SAMPLES: usize = 16;
 /// in `mesh/partners.rs`, `measured.rs` and `slide.rs`; [`Certainty::Estimated`] means that a surface could not enclose itself somewhere, and
 /// samples were used. Vertices are computed in floating point; for their rounding errors 10⁻¹³ of the largest coordinate
 /// is included, the accuracy to which every surface is held. The same input gives the same mesh, byte for byte, on any
-/// number of threads; each works on one surface at a time.
+/// number of threads; each works on one surface at a time, or on a share of the squares where there are few surfaces.
 ///
 /// Errors: see [`MeshError`]; of several surfaces with errors the first is named. Cost: proportional to the number of
 /// surfaces and of triangles, and some enclosures for every few triangles.

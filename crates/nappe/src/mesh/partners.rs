@@ -32,6 +32,12 @@
 //! the enclosure is a difference of two such forms; the rest is bounded by Popoviciu's inequality, also for all triangles
 //! inside. So further bisections and further vertices on sides need no other proof.
 //!
+//! Inside a square in one analytic piece, `Q` is a form Q₀ in the middle, a linear part C, and a rest that is bounded like
+//! above. About the middle m of a triangle's longest side, C adds the constant form `C m` and a function of third order,
+//! whose error of interpolation is known (`CUBE`, `MIXED`). So the linear part counts with the distance of m alone, which is
+//! zero for the two triangles of a square. Smaller triangles may have larger m: the bound is the greatest for all of them.
+//! Further vertices on sides do not get there.
+//!
 //! Where a side is one point `P`, triangles with two corners there vanish. Those with one are covered by rays from it: let
 //! a ray at `p` end at height `v` in the opposite edge; the surface leaves its chord along the ray by at most
 //! `⅛ sup|r_vv| v²`, and the end by the bound of an edge. This is `d = 0` with other parameters of the same mesh.
