@@ -12,7 +12,7 @@
 //! kind of square in the theorem of `partners`.
 
 use super::lines::inwards;
-use super::partners::{BETWEEN, Place, greatest};
+use super::partners::{BETWEEN, Place, greatest, greatest_of};
 use crate::box3::Box3;
 use crate::surface::{Surface, jet_len};
 use glam::DVec3;
@@ -120,10 +120,7 @@ impl Samples {
     /// The bound for the triangles after at most [`LEVELS`] bisections; sides marked may get further vertices.
     pub(super) fn error(&self, level: u32, even: bool, open: [bool; 4]) -> f64 {
         let (all, parts) = triangles(level, even, self.k);
-        let all = all.into_iter();
-        // NaN must not get lost.
-        all.map(|t| self.triangle(t, parts, open))
-            .fold(0.0, |a, b| if a.is_nan() || b <= a { a } else { b })
+        greatest_of(all.into_iter().map(|t| self.triangle(t, parts, open)))
     }
 
     fn triangle(&self, corners: [[usize; 2]; 3], parts: usize, open: [bool; 4]) -> f64 {

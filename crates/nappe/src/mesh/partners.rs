@@ -77,15 +77,13 @@ impl Bound {
         let odd = level as usize % 2;
         let q = share(level) + grain;
         let added = self.added[odd] * q.powi(4);
-        if self.slip[odd] * q * q > 1.0 || added > BETWEEN * tol {
-            return None;
-        }
         // Smaller triangles may be nearer to where second derivatives are greater; from the second bisection on, they all
         // are.
         let here = self.linear(level, grain, 1.0 - share(level) + grain);
         let next = self.linear(level + 1, grain, 1.0 - share(level + 1) + grain);
-        let all = self.linear(level + 2, grain, 1.0);
-        Some((here.max(next).max(all) + added + self.shift) * ROUND_UP)
+        let all = self.linear(level + 2, grain, 1.0 + grain);
+        let near = self.slip[odd] * q * q <= 1.0 && added <= BETWEEN * tol;
+        near.then(|| (greatest_of([here, next, all]) + added + self.shift) * ROUND_UP)
     }
 
     /// For triangles with the middles of their longest sides that share of the way to the border.
@@ -96,7 +94,7 @@ impl Bound {
             away * (u + v)
         } else {
             // Their longest sides lie on lines of smaller squares, perhaps on the border.
-            (u + away * v).max(away * u + v)
+            greatest_of([u + away * v, away * u + v]) * (1.0 + grain)
         };
         q * q * (self.error[odd] + skew + self.cubic * q)
     }
@@ -108,6 +106,12 @@ impl Bound {
             (deviation <= tol).then_some((level, deviation))
         })
     }
+}
+
+/// The greatest of some numbers; NaN if one is none.
+pub(super) fn greatest_of(all: impl IntoIterator<Item = f64>) -> f64 {
+    all.into_iter()
+        .fold(0.0, |a, b| if a.is_nan() || b <= a { a } else { b })
 }
 
 /// The size of the triangles' legs, as a share of the square's, after an even number of bisections.

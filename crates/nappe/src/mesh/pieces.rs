@@ -199,7 +199,7 @@ impl Piece {
     fn new(uv: [Interval; 2], over: &[Box3], at: &[Box3]) -> Self {
         let middle = uv.map(Interval::mid);
         let half = [0, 1].map(|d| farthest(uv[d], middle[d]));
-        let [powers_u, powers_v] = half.map(|h| powers(h));
+        let [powers_u, powers_v] = half.map(powers);
         let mut terms = [[DVec3::ZERO; ORDER + 1]; ORDER + 1];
         let [mut rest, mut noise] = [[DVec3::ZERO; jet_len(2)]; 2];
         for (i, j) in places(ORDER) {
