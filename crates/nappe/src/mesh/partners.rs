@@ -79,9 +79,9 @@ impl Bound {
         let added = self.added[odd] * q.powi(4);
         // Smaller triangles may be nearer to where second derivatives are greater; from the second bisection on, they all
         // are.
-        let here = self.linear(level, grain, 1.0 - share(level) + grain);
-        let next = self.linear(level + 1, grain, 1.0 - share(level + 1) + grain);
-        let all = self.linear(level + 2, grain, 1.0 + grain);
+        let here = self.linear(level, grain, 1.0 - share(level) + 2.0 * grain);
+        let next = self.linear(level + 1, grain, 1.0 - share(level + 1) + 2.0 * grain);
+        let all = self.linear(level + 2, grain, 1.0 + 2.0 * grain);
         let near = self.slip[odd] * q * q <= 1.0 && added <= BETWEEN * tol;
         near.then(|| (greatest_of([here, next, all]) + added + self.shift) * ROUND_UP)
     }
@@ -94,7 +94,7 @@ impl Bound {
             away * (u + v)
         } else {
             // Their longest sides lie on lines of smaller squares, perhaps on the border.
-            greatest_of([u + away * v, away * u + v]) * (1.0 + grain)
+            greatest_of([u + away * v, away * u + v]) * (1.0 + 2.0 * grain)
         };
         q * q * (self.error[odd] + skew + self.cubic * q)
     }
@@ -217,6 +217,15 @@ impl Place {
                 lo: (r.lo - room).max(self.block[d].lo),
                 hi: (r.hi + room).min(self.block[d].hi),
             }
+        })
+    }
+
+    /// True if the surroundings have the same middle, but for rounding.
+    fn is_central(&self) -> bool {
+        let around = self.surroundings();
+        (0..2).all(|d| {
+            let off = (around[d].mid() - self.uv[d].mid()).abs();
+            off <= 2.0 * f64::EPSILON * around[d].mag()
         })
     }
 
@@ -345,7 +354,10 @@ pub(super) fn bounds(
     }
     if let Some(framed) = framed {
         match [0, 1].map(|d| place.touches(d)) {
-            [false, false] => out.push(framed.inside(place, enclosed.local.as_ref())),
+            [false, false] => {
+                let local = enclosed.local.as_ref().filter(|_| place.is_central());
+                out.push(framed.inside(place, local));
+            }
             [false, true] => out.extend(along(place, jet, 0)),
             [true, false] => out.extend(along(place, jet, 1)),
             [true, true] => {}
