@@ -19,6 +19,7 @@ use crate::interval::Interval;
 use crate::parallel;
 use crate::surface::{Corner, Dir, Side, Surface};
 use glam::DVec3;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Squares deeper than this would be as small as the rounding of parameters.
 const MAX_DEPTH: u32 = DEPTH - 4;
@@ -242,12 +243,20 @@ impl Layout {
         let shares: Vec<_> = open[done..]
             .chunks(open[done..].len().div_ceil(SHARES).max(1))
             .collect();
+        let total = AtomicUsize::new(0);
         let rest = parallel::each(
             demand.threads,
             shares.len(),
             |k| work().run(shares[k]),
-            Result::is_err,
+            |found| match found {
+                Ok(found) => {
+                    let own = found.triangles as usize;
+                    total.fetch_add(own, Ordering::Relaxed) + own > demand.max
+                }
+                Err(_) => true,
+            },
         );
+        let complete = rest.len() == shares.len();
         for found in std::iter::once(Ok(first.found)).chain(rest) {
             let found = found?;
             for (square, levels) in found.squares {
@@ -256,6 +265,13 @@ impl Layout {
             self.deviation = self.deviation.max(found.deviation);
             self.proven &= found.proven;
             demand.allows(self.triangles() as f64)?;
+        }
+        if !complete {
+            // Work stopped at the limit.
+            return Err(MeshError::TooMany {
+                needed: self.triangles() as f64,
+                max: demand.max,
+            });
         }
         self.regions.push(region);
         Ok(())
@@ -371,7 +387,7 @@ impl<'a> Work<'a> {
             _ if deeper => {
                 self.found.squares.push((square, 2));
                 open.extend(square.children());
-                return self.demand.allows(2.0 * self.found.squares.len() as f64);
+                return self.demand.allows(self.found.triangles);
             }
             // Nothing can be said, even about the smallest square.
             _ => {

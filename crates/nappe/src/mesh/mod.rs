@@ -306,11 +306,7 @@ impl Task<'_> {
             rounding: self.rounding[i],
             least: self.least_cells(i),
             max: self.options.max_triangles.min(MOST),
-            threads: if self.surfaces.len() < 2 * self.threads {
-                self.threads
-            } else {
-                1
-            },
+            threads: (self.threads / self.surfaces.len()).max(1),
             plain,
             joined: self.shared.joined(i),
         };

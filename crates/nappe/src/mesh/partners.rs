@@ -79,9 +79,9 @@ impl Bound {
         let added = self.added[odd] * q.powi(4);
         // Smaller triangles may be nearer to where second derivatives are greater; from the second bisection on, they all
         // are.
-        let here = self.linear(level, grain, 1.0 - share(level) + 2.0 * grain);
-        let next = self.linear(level + 1, grain, 1.0 - share(level + 1) + 2.0 * grain);
-        let all = self.linear(level + 2, grain, 1.0 + 2.0 * grain);
+        let here = self.linear(level, grain, 1.0 - share(level) + 4.0 * grain);
+        let next = self.linear(level + 1, grain, 1.0 - share(level + 1) + 4.0 * grain);
+        let all = self.linear(level + 2, grain, 1.0 + 4.0 * grain);
         let near = self.slip[odd] * q * q <= 1.0 && added <= BETWEEN * tol;
         near.then(|| (greatest_of([here, next, all]) + added + self.shift) * ROUND_UP)
     }
@@ -94,7 +94,7 @@ impl Bound {
             away * (u + v)
         } else {
             // Their longest sides lie on lines of smaller squares, perhaps on the border.
-            greatest_of([u + away * v, away * u + v]) * (1.0 + 2.0 * grain)
+            greatest_of([u + away * v, away * u + v]) * (1.0 + 4.0 * grain)
         };
         q * q * (self.error[odd] + skew + self.cubic * q)
     }
@@ -334,7 +334,7 @@ fn cubic(place: &Place, local: &Local, turn: &DMat3) -> Bound {
 
 /// The greatest errors of linear interpolation of x³/6 and of x² y/2 on the triangles, with x = y = 0 in the middle of the
 /// longest side and legs of length 1 or √½: those of x/24 - x³/6 and y (¼ - x²)/2 (`√3/216` and ⅟16).
-const CUBE: f64 = 0.00802;
+const CUBE: f64 = 0.009;
 const MIXED: f64 = 0.0625;
 
 /// Bounds for a square of the quadtree, from an enclosure over its surroundings. Partners have other parameters only if

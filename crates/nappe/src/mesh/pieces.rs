@@ -20,6 +20,8 @@ use glam::DVec3;
 const ORDER: usize = 6;
 /// Pieces along each direction that are enclosed together.
 const TILE: usize = 16;
+/// A rectangle over more pieces is enclosed by itself.
+const MOST: usize = 16;
 /// A rectangle larger than this share of a piece is enclosed by itself.
 const LARGE: f64 = 0.25;
 /// The most pieces that are kept.
@@ -64,7 +66,7 @@ impl<'a> Pieces<'a> {
             let breaks = self.surface.breaks(DIRS[d]);
             uv[d].width() / breaks.piece(breaks.find(uv[d].mid(), Limit::Above)).width()
         });
-        if shares[0] * shares[1] > LARGE || shares.iter().any(|&s| s > 2.0) {
+        if shares[0] * shares[1] > LARGE || range[0].len() * range[1].len() > MOST {
             return Enclosed::direct(self.surface, uv);
         }
         if self.kept > KEPT {
