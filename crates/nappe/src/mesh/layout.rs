@@ -9,7 +9,7 @@ use super::bound::{Bend, ROUND_UP, sampled};
 use super::lines::index;
 use super::measured::{LEVELS, PARTS, Samples};
 use super::options::MeshError;
-use super::partners::{BETWEEN, Bound, Framed, Place, bounds};
+use super::partners::{BETWEEN, Framed, Place, bounds};
 use super::pieces::{Enclosed, Pieces};
 use super::roots::{Grid, Roots, roots};
 use super::slide::slide;
@@ -427,12 +427,14 @@ impl<'a> Work<'a> {
     fn judge(&mut self, place: &Place, square: Square) -> Result<Judged, MeshError> {
         let around = place.surroundings();
         let mut enclosed = self.pieces.enclose(around);
-        let coarse = Framed::new(place, &enclosed.jet).is_some_and(|f| {
+        let mut framed = Framed::new(place, &enclosed.jet);
+        let coarse = framed.as_ref().is_some_and(|f| {
             let reach = f.within_reach().level(self.demand.tol, 0.0);
             reach.is_some_and(|r| r.0 > FAR)
         });
         if !(enclosed.sharp || coarse) {
             enclosed = enclosed.sharpened(self.surface, around);
+            framed = Framed::new(place, &enclosed.jet);
         }
         let (enclosed, proven) = if enclosed.jet[0].is_finite() {
             (enclosed, true)
@@ -446,7 +448,11 @@ impl<'a> Work<'a> {
                 return Err(MeshError::NotFinite { surface, uv });
             }
             match sampled(self.surface, place.uv) {
-                Some(jet) => (Enclosed::from(jet), false),
+                Some(jet) => {
+                    let enclosed = Enclosed::from(jet);
+                    framed = Framed::new(place, &enclosed.jet);
+                    (enclosed, false)
+                }
                 None => return Ok(Judged::UNKNOWN),
             }
         };
@@ -471,17 +477,12 @@ impl<'a> Work<'a> {
             .iter()
             .map(|r| 2.0 * f64::EPSILON * r.mag() / r.width());
         let grain = grain.fold(0.0, f64::max);
-        let framed = Framed::new(place, jet);
         let reach = framed.as_ref().map(Framed::within_reach);
         let slides = |f: &Framed| proven && f.between(self.demand.tol) <= BETWEEN * self.demand.tol;
         let framed = framed.filter(slides);
-        let of = |b: &Bound| {
-            let (level, deviation) = b.level(tol, grain)?;
-            Some((level, deviation))
-        };
         let best = bounds(self.surface, place, &enclosed, proven, framed.as_ref(), tol)
             .iter()
-            .filter_map(of)
+            .filter_map(|b| b.level(tol, grain))
             .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let Some((mut level, mut deviation)) = best else {
             return Ok(Judged {

@@ -453,19 +453,24 @@ mod tests {
     use super::*;
     use crate::laws::Random;
 
-    /// The greatest error of interpolation of ½ Q on a triangle, on a grid of points.
-    fn sampled([u, c, v]: [f64; 3], corners: [[f64; 2]; 3]) -> f64 {
-        let f = |[x, y]: [f64; 2]| 0.5 * (u * x * x + 2.0 * c * x * y + v * y * y);
+    /// The greatest error of interpolation on a triangle, on a grid of points.
+    fn off(f: impl Fn([f64; 2]) -> f64, corners: [[f64; 2]; 3], steps: usize) -> f64 {
         let mut worst = 0.0f64;
-        for i in 0..=60 {
-            for j in 0..=60 - i {
-                let l = [i, j, 60 - i - j].map(|k| f64::from(k) / 60.0);
+        for i in 0..=steps {
+            for j in 0..=steps - i {
+                let l = [i, j, steps - i - j].map(|k| k as f64 / steps as f64);
                 let at = [0, 1].map(|d| (0..3).map(|k| l[k] * corners[k][d]).sum());
                 let linear: f64 = (0..3).map(|k| l[k] * f(corners[k])).sum();
                 worst = worst.max((linear - f(at)).abs());
             }
         }
         worst
+    }
+
+    /// That of ½ Q.
+    fn sampled([u, c, v]: [f64; 3], corners: [[f64; 2]; 3]) -> f64 {
+        let f = |[x, y]: [f64; 2]| 0.5 * (u * x * x + 2.0 * c * x * y + v * y * y);
+        off(f, corners, 60)
     }
 
     const TRIANGLES: [[[[f64; 2]; 3]; 2]; 2] = [
@@ -507,6 +512,7 @@ mod tests {
         }
         assert!(tight > 400, "{tight} of 600 bounds are nearly reached");
     }
+
     /// The greatest error of interpolation on all triangles of a square after some bisections.
     fn bisected(f: impl Fn([f64; 2]) -> f64, level: u32) -> f64 {
         let lines = [vec![-0.5, 0.5], vec![-0.5, 0.5]];
@@ -515,14 +521,7 @@ mod tests {
         let mut worst = 0.0f64;
         net.triangles([0, 0], |t| {
             let corners = t.map(|k| net.uv(net.places[k as usize]));
-            for i in 0..=12 {
-                for j in 0..=12 - i {
-                    let l = [i, j, 12 - i - j].map(|k| f64::from(k) / 12.0);
-                    let at = [0, 1].map(|d| (0..3).map(|k| l[k] * corners[k][d]).sum());
-                    let linear: f64 = (0..3).map(|k| l[k] * f(corners[k])).sum();
-                    worst = worst.max((linear - f(at)).abs());
-                }
-            }
+            worst = worst.max(off(&f, corners, 12));
         });
         worst
     }
