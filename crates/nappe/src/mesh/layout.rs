@@ -28,6 +28,8 @@ const MAX_DEPTH: u32 = DEPTH - 4;
 const PATIENCE: u32 = 4;
 /// Squares that need more bisections than this are better looked at in parts than enclosed sharply.
 const FAR: u32 = LEVELS + 2;
+/// With so few bisections, looking at the parts of a square saves hardly a triangle.
+const SETTLED: u32 = 2;
 /// The shares of a block that threads work on, and the squares to begin with.
 const SHARES: usize = 16;
 const ENOUGH: usize = 64;
@@ -383,7 +385,7 @@ impl<'a> Work<'a> {
                 r.lo < middle && middle < r.hi
             });
         let level = match judged.level {
-            Some(level) if level <= 1 || judged.least >= level || !deeper => level,
+            Some(level) if level <= SETTLED || judged.least >= level || !deeper => level,
             _ if deeper => {
                 self.found.squares.push((square, 2));
                 open.extend(square.children());
