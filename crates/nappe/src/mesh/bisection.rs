@@ -7,16 +7,27 @@
 //! *vertices*, that holds with each one also the right angles of the two triangles that share the side: these triangles
 //! have to exist. This is newest-vertex bisection (Maubach, *Local bisection refinement*, 1995).
 
+//!
+//! The vertices that first are corners of squares of the depths `4 b + 1` to `4 b + 4` make up the band `b`; those in a square
+//! of the depth `4 b` are 16 × 16 bits of one tile. The crossings of lines are all there, and need no bits.
+
 use rustc_hash::FxHashMap;
-use smallvec::{SmallVec, smallvec};
+use smallvec::SmallVec;
 
 /// A vertex: along u and v, the number of the line below times 2^[`DEPTH`] and the distance from it.
 pub(super) type Place = [u64; 2];
 
 /// How often a cell can be halved along each direction.
-pub(super) const DEPTH: u32 = 30;
+pub(super) const DEPTH: u32 = 32;
 /// The distance of neighbouring lines.
 pub(super) const CELL: u64 = 1 << DEPTH;
+
+/// The depths of one band.
+const BAND: u32 = 4;
+/// The vertices along each direction of a tile.
+const WIDE: usize = 1 << BAND;
+/// The number of bands: the smallest squares have no vertices inside.
+const BANDS: usize = (DEPTH / BAND) as usize;
 
 /// A square of the quadtree over one cell.
 #[derive(Clone, Copy, Debug)]
@@ -74,36 +85,106 @@ impl Square {
     }
 }
 
+/// The vertices of one band in a square, by bits.
+#[derive(Clone, Debug)]
+struct Tile {
+    name: Name,
+    /// For each place along u, one bit for each place along v.
+    bits: [u16; WIDE],
+}
+
+/// The band and the place of a tile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Name {
+    band: u32,
+    at: [u64; 2],
+}
+
+/// Where a vertex that is no crossing of lines has its bit.
+struct Bit {
+    tile: Name,
+    row: usize,
+    column: u32,
+}
+
+impl Bit {
+    /// `None` for crossings of lines.
+    #[inline]
+    fn of([x, y]: Place) -> Option<Self> {
+        let depth = DEPTH.checked_sub((x | y).trailing_zeros())?;
+        if depth == 0 {
+            return None;
+        }
+        let band = (depth - 1) / BAND;
+        let shift = DEPTH - BAND * (band + 1);
+        let [i, j] = [x, y].map(|c| c >> shift);
+        Some(Self {
+            tile: Name {
+                band,
+                at: [i >> BAND, j >> BAND],
+            },
+            row: i as usize % WIDE,
+            column: j as u32 % WIDE as u32,
+        })
+    }
+}
+
+impl Tile {
+    fn has(&self, bit: &Bit) -> bool {
+        self.bits[bit.row] >> bit.column & 1 == 1
+    }
+
+    /// The vertices, by rows.
+    fn places(&self) -> impl Iterator<Item = Place> {
+        let Name { band, at } = self.name;
+        let shift = DEPTH - BAND * (band + 1);
+        let place = move |row: usize, column: u32| {
+            [
+                (at[0] << BAND | row as u64) << shift,
+                (at[1] << BAND | u64::from(column)) << shift,
+            ]
+        };
+        let rows = self.bits.into_iter().enumerate();
+        rows.flat_map(move |(row, bits)| {
+            let set = (0..WIDE as u32).filter(move |c| bits >> c & 1 == 1);
+            set.map(move |column| place(row, column))
+        })
+    }
+}
+
 /// A triangulation.
 #[derive(Clone, Debug)]
 pub(super) struct Bisection {
     /// The lines of constant u and v, increasing.
     pub(super) lines: [Vec<f64>; 2],
-    /// All vertices, those of the net of lines first.
-    pub(super) places: Vec<Place>,
-    index: FxHashMap<Place, u32>,
+    tiles: Vec<Tile>,
+    index: FxHashMap<Name, u32>,
+    /// The tile that was used last: the next vertex is mostly in the same.
+    last: u32,
+    /// The number of vertices.
+    count: usize,
 }
 
 impl Bisection {
     /// Two triangles for each cell.
     pub(super) fn new(lines: [Vec<f64>; 2]) -> Self {
-        let mut out = Self {
-            places: Vec::with_capacity(lines[0].len() * lines[1].len()),
+        Self {
+            count: lines[0].len() * lines[1].len(),
             lines,
+            tiles: Vec::new(),
             index: FxHashMap::default(),
-        };
-        let count = [0, 1].map(|d| out.lines[d].len() as u64);
-        for i in 0..count[0] {
-            for j in 0..count[1] {
-                out.insert([i << DEPTH, j << DEPTH]);
-            }
+            last: 0,
         }
-        out
     }
 
     /// The number of cells along u and v.
     pub(super) fn cells(&self) -> [usize; 2] {
         [0, 1].map(|d| self.lines[d].len() - 1)
+    }
+
+    /// The number of vertices.
+    pub(super) fn count(&self) -> usize {
+        self.count
     }
 
     /// The largest coordinates.
@@ -112,32 +193,54 @@ impl Bisection {
     }
 
     fn insert(&mut self, place: Place) -> bool {
-        let next = self.places.len() as u32;
-        let new = *self.index.entry(place).or_insert(next) == next;
-        if new {
-            self.places.push(place);
+        let Some(bit) = Bit::of(place) else {
+            return false;
+        };
+        let at_hand = self.tiles.get(self.last as usize);
+        if at_hand.is_none_or(|t| t.name != bit.tile) {
+            let next = self.tiles.len() as u32;
+            self.last = *self.index.entry(bit.tile).or_insert(next);
+            if self.last == next {
+                self.tiles.push(Tile {
+                    name: bit.tile,
+                    bits: [0; WIDE],
+                });
+            }
         }
+        let row = &mut self.tiles[self.last as usize].bits[bit.row];
+        let new = *row >> bit.column & 1 == 0;
+        *row |= 1 << bit.column;
+        self.count += usize::from(new);
         new
     }
 
     /// The parameter of a coordinate along u (0) or v (1).
     pub(super) fn param(&self, d: usize, x: u64) -> f64 {
-        let (line, from) = ((x >> DEPTH) as usize, x & (CELL - 1));
-        let lo = self.lines[d][line];
-        if from == 0 {
-            return lo;
-        }
-        let hi = self.lines[d][line + 1];
-        (lo + (hi - lo) * (from as f64 / CELL as f64)).clamp(lo, hi)
+        param(&self.lines[d], x)
     }
 
     pub(super) fn uv(&self, place: Place) -> [f64; 2] {
         [0, 1].map(|d| self.param(d, place[d]))
     }
 
+    /// The coordinates along the side where the other coordinate is the least or the greatest one, in no order. The side
+    /// runs along u (0) or v (1).
+    pub(super) fn on_side(&self, along: usize, upper: bool) -> Vec<u64> {
+        let across = 1 - along;
+        let at = if upper { self.last()[across] } else { 0 };
+        let crossings = (0..self.lines[along].len() as u64).map(|i| i << DEPTH);
+        let tiles = self.tiles.iter().filter(|t| {
+            let Name { band, at: tile } = t.name;
+            tile[across] << (DEPTH - BAND * band) == at
+        });
+        let inside = tiles.flat_map(Tile::places).filter(|p| p[across] == at);
+        crossings.chain(inside.map(|p| p[along])).collect()
+    }
+
     /// Adds a vertex with all that it needs.
     pub(super) fn add(&mut self, place: Place) {
-        let mut open: SmallVec<[Place; 8]> = smallvec![place];
+        let mut open: SmallVec<[Place; 16]> = SmallVec::new();
+        open.push(place);
         while let Some(p) = open.pop() {
             if self.insert(p) {
                 open.extend(self.right_angles(p));
@@ -193,30 +296,122 @@ impl Bisection {
         }
     }
 
-    /// Hands out the triangles of a cell as the numbers of their vertices, counter-clockwise, the right angle first.
+    /// Gives all vertices numbers.
+    pub(super) fn numbered(&self) -> Numbered<'_> {
+        let [n, m] = [0, 1].map(|d| self.lines[d].len());
+        let mut places = Vec::with_capacity(self.count);
+        places.extend((0..n * m).map(|k| [k / m, k % m].map(|i| (i as u64) << DEPTH)));
+        let counts = self.tiles.iter().map(|tile| {
+            let first = places.len() as u32;
+            places.extend(tile.places());
+            let mut sum = 0;
+            let before = tile.bits.map(|bits| {
+                let before = sum;
+                sum += bits.count_ones() as u16;
+                before
+            });
+            Count { first, before }
+        });
+        let counts = counts.collect();
+        Numbered {
+            net: self,
+            counts,
+            places,
+        }
+    }
+}
+
+/// The parameter of a coordinate between lines.
+pub(super) fn param(lines: &[f64], x: u64) -> f64 {
+    let (line, from) = ((x >> DEPTH) as usize, x & (CELL - 1));
+    let lo = lines[line];
+    if from == 0 {
+        return lo;
+    }
+    let hi = lines[line + 1];
+    (lo + (hi - lo) * (from as f64 / CELL as f64)).clamp(lo, hi)
+}
+
+/// The numbers of the vertices of a tile.
+struct Count {
+    first: u32,
+    /// The vertices in the rows before each row.
+    before: [u16; WIDE],
+}
+
+/// A triangulation whose vertices have numbers.
+pub(super) struct Numbered<'a> {
+    net: &'a Bisection,
+    counts: Vec<Count>,
+    /// All vertices by their numbers.
+    pub(super) places: Vec<Place>,
+}
+
+impl Numbered<'_> {
+    /// The triangles of a cell as the numbers of their vertices, counter-clockwise, the right angle first.
     pub(super) fn triangles(&self, cell: [usize; 2], mut emit: impl FnMut([u32; 3])) {
+        let columns = self.net.lines[1].len();
         let square = Square::cell(cell);
         let ([x, y], [z, w]) = (square.corner, square.upper());
-        let [a, b, c, d] = [[x, y], [z, y], [z, w], [x, w]];
+        let [a, b, c, d] = [[x, y], [z, y], [z, w], [x, w]].map(|p| {
+            let [i, j] = p.map(|x| (x >> DEPTH) as usize);
+            (p, (i * columns + j) as u32)
+        });
         let halves = if (cell[0] + cell[1]).is_multiple_of(2) {
             [[b, c, a], [d, a, c]]
         } else {
             [[a, b, d], [c, d, b]]
         };
+        let mut finder = Finder {
+            of: self,
+            last: [(NOWHERE, None); BANDS],
+        };
         for half in halves {
-            self.halved(half, half.map(|p| self.index[&p]), &mut emit);
+            finder.halved(half, &mut emit);
         }
     }
+}
 
-    fn halved(&self, [a, b, c]: [Place; 3], [i, j, k]: [u32; 3], emit: &mut impl FnMut([u32; 3])) {
-        let middle = [0, 1].map(|d| (b[d] + c[d]) / 2);
-        match self.index.get(&middle) {
-            // The middle of the smallest side would be one of its ends.
-            Some(&m) if m != j && m != k => {
-                self.halved([middle, a, b], [m, i, j], emit);
-                self.halved([middle, c, a], [m, k, i], emit);
+/// No tile is there.
+const NOWHERE: [u64; 2] = [u64::MAX; 2];
+
+/// Looks for the numbers of vertices that lie near each other.
+struct Finder<'a> {
+    of: &'a Numbered<'a>,
+    /// For each band the place and the number of the tile that was looked for last.
+    last: [([u64; 2], Option<u32>); BANDS],
+}
+
+impl Finder<'_> {
+    /// The number of a vertex that is no crossing of lines, if it is one.
+    #[inline]
+    fn number(&mut self, place: Place) -> Option<u32> {
+        let bit = Bit::of(place)?;
+        let net = self.of.net;
+        let last = &mut self.last[bit.tile.band as usize];
+        if last.0 != bit.tile.at {
+            *last = (bit.tile.at, net.index.get(&bit.tile).copied());
+        }
+        let tile = last.1? as usize;
+        let Count { first, before } = &self.of.counts[tile];
+        let bits = net.tiles[tile].bits[bit.row];
+        net.tiles[tile].has(&bit).then(|| {
+            let below = bits & ((1 << bit.column) - 1);
+            first + u32::from(before[bit.row]) + below.count_ones()
+        })
+    }
+
+    fn halved(&mut self, [a, b, c]: [(Place, u32); 3], emit: &mut impl FnMut([u32; 3])) {
+        // That of the smallest side would be one of its ends.
+        let p = [0, 1].map(|d| (b.0[d] + c.0[d]) / 2);
+        let middle = (p != b.0 && p != c.0).then(|| self.number(p));
+        match middle.flatten() {
+            Some(number) => {
+                let m = (p, number);
+                self.halved([m, a, b], emit);
+                self.halved([m, c, a], emit);
             }
-            _ => emit([i, j, k]),
+            None => emit([a.1, b.1, c.1]),
         }
     }
 }
@@ -231,9 +426,12 @@ mod tests {
     fn examined(net: &Bisection) -> (f64, HashMap<[u32; 2], i32>) {
         let (mut area, mut sides) = (0.0, HashMap::new());
         let [n, m] = net.cells();
+        let numbered = net.numbered();
+        assert_eq!(numbered.places.len(), net.count());
         for cell in (0..n).flat_map(|i| (0..m).map(move |j| [i, j])) {
-            net.triangles(cell, |t| {
-                let [a, b, c] = t.map(|k| net.places[k as usize].map(|x| x as f64 / CELL as f64));
+            numbered.triangles(cell, |t| {
+                let [a, b, c] =
+                    t.map(|k| numbered.places[k as usize].map(|x| x as f64 / CELL as f64));
                 let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
                 assert!(twice > 0.0);
                 area += twice;
@@ -263,10 +461,11 @@ mod tests {
                 }
                 net.refine(square, (random.unit() * 5.0) as u32);
                 let (area, sides) = examined(&net);
+                let places = net.numbered().places;
                 assert_eq!(area, 2.0 * f64::from(n * m));
                 // A side without partner lies on the border.
                 for (side, count) in sides {
-                    let ends = side.map(|k| net.places[k as usize]);
+                    let ends = side.map(|k| places[k as usize]);
                     let border = (0..2).any(|d| {
                         ends[0][d] == ends[1][d] && [0, net.last()[d]].contains(&ends[0][d])
                     });
@@ -282,7 +481,7 @@ mod tests {
             let mut net = Bisection::new([vec![0.0, 1.0], vec![0.0, 1.0]]);
             net.refine(Square::cell([0, 0]), levels);
             let mut count = 0;
-            net.triangles([0, 0], |_| count += 1);
+            net.numbered().triangles([0, 0], |_| count += 1);
             assert_eq!(count, 2 << levels);
         }
     }

@@ -86,7 +86,7 @@ impl Region {
 impl Layout {
     /// About the number of triangles.
     pub(super) fn triangles(&self) -> usize {
-        2 * self.net.places.len()
+        2 * self.net.count()
     }
 
     /// Puts a vertex into the middle of each cell at a corner of the domain where a triangle would have further vertices on

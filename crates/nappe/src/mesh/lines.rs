@@ -16,14 +16,9 @@ pub(super) fn key(uv: [f64; 2]) -> Key {
 /// The parameters along a side of every vertex of a layout on it, increasing.
 pub(super) fn on(layout: &Layout, side: Side) -> Vec<f64> {
     let net = &layout.net;
-    let (along, across) = (index(side.along()), index(side.across()));
-    let at = if side.is_upper() {
-        net.last()[across]
-    } else {
-        0
-    };
-    let on = net.places.iter().filter(|p| p[across] == at);
-    let mut line: Vec<f64> = on.map(|p| net.param(along, p[along])).collect();
+    let along = index(side.along());
+    let on = net.on_side(along, side.is_upper());
+    let mut line: Vec<f64> = on.into_iter().map(|x| net.param(along, x)).collect();
     line.sort_by(f64::total_cmp);
     line.dedup();
     line

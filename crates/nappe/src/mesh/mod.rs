@@ -259,6 +259,11 @@ impl Task<'_> {
         least
     }
 
+    /// The threads for each surface while all are worked on.
+    fn threads_each(&self) -> usize {
+        (self.threads / self.surfaces.len()).max(1)
+    }
+
     /// Divides some surfaces, when the others have that many triangles. With the same error as one after the other: the
     /// first surface that cannot be divided or is over the limit of triangles is named.
     fn lay(&self, which: &[usize], others: usize, plain: bool) -> Result<Vec<Laid>, MeshError> {
@@ -306,7 +311,7 @@ impl Task<'_> {
             rounding: self.rounding[i],
             least: self.least_cells(i),
             max: self.options.max_triangles.min(MOST),
-            threads: (self.threads / self.surfaces.len()).max(1),
+            threads: self.threads_each(),
             plain,
             joined: self.shared.joined(i),
         };
@@ -438,6 +443,7 @@ impl Task<'_> {
             gap: 0.0,
             rounding: self.rounding[i],
             turned_over: false,
+            threads: self.threads_each(),
         };
         builder.run()?;
         let (mut patch, gap) = (builder.patch, builder.gap);

@@ -519,8 +519,9 @@ mod tests {
         let mut net = Bisection::new(lines);
         net.refine(Square::cell([0, 0]), level);
         let mut worst = 0.0f64;
-        net.triangles([0, 0], |t| {
-            let corners = t.map(|k| net.uv(net.places[k as usize]));
+        let numbered = net.numbered();
+        numbered.triangles([0, 0], |t| {
+            let corners = t.map(|k| net.uv(numbered.places[k as usize]));
             worst = worst.max(off(&f, corners, 12));
         });
         worst
