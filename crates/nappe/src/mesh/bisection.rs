@@ -64,6 +64,20 @@ impl Square {
         })
     }
 
+    /// The squares that arise if it is halved so often along each direction, v fastest.
+    pub(super) fn parts(self, times: u32) -> impl Iterator<Item = Self> {
+        let depth = self.depth + times;
+        let size = CELL >> depth;
+        let n = 1 << times;
+        (0..n * n).map(move |k| Self {
+            corner: [
+                self.corner[0] + k / n * size,
+                self.corner[1] + k % n * size,
+            ],
+            depth,
+        })
+    }
+
     pub(super) fn centre(self) -> Place {
         self.corner.map(|x| x + self.size() / 2)
     }

@@ -10,14 +10,14 @@ use super::lines::index;
 use super::measured::{LEVELS, PARTS, Samples};
 use super::options::MeshError;
 use super::partners::{BETWEEN, Framed, Place, bounds};
-use super::pieces::{Enclosed, Pieces};
+use super::pieces::{Enclosed, Local, Pieces};
 use super::roots::{Grid, Roots, roots};
 use super::slide::slide;
 use crate::box3::Box3;
 use crate::breaks::Breaks;
 use crate::interval::Interval;
 use crate::parallel;
-use crate::surface::{Corner, Dir, Side, Surface};
+use crate::surface::{Corner, Dir, Side, Surface, jet_len};
 use glam::DVec3;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -30,6 +30,12 @@ const PATIENCE: u32 = 4;
 const FAR: u32 = LEVELS + 2;
 /// With so few bisections, looking at the parts of a square saves hardly a triangle.
 const SETTLED: u32 = 2;
+/// The most bisections of a square whose parts are judged together.
+const MOST: u32 = 8;
+/// Parts that need this many times the triangles that their second derivatives ask for are enclosed by themselves.
+const ENOUGH_KNOWN: f64 = 1.125;
+/// Squares that surely need more bisections are looked at in parts.
+static LARGE: std::sync::LazyLock<u32> = std::sync::LazyLock::new(|| std::env::var("S").map_or(6, |s| s.parse().unwrap()));
 /// The shares of a block that threads work on, and the squares to begin with.
 const SHARES: usize = 16;
 const ENOUGH: usize = 64;
@@ -197,8 +203,9 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
         proven: true,
     };
     let [nu, nv] = [0, 1].map(|d| out.blocks[d].len());
+    let pieces = Pieces::new(surface, demand.tol);
     for (i, j) in (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j))) {
-        out.add_block(surface, demand, [i, j], grids[i * nv + j].as_ref())?;
+        out.add_block(&pieces, demand, [i, j], grids[i * nv + j].as_ref())?;
     }
     Ok(out)
 }
@@ -218,7 +225,7 @@ impl Demand {
 impl Layout {
     fn add_block(
         &mut self,
-        surface: &dyn Surface,
+        pieces: &Pieces,
         demand: &Demand,
         at: [usize; 2],
         grid: Option<&Grid>,
@@ -234,7 +241,7 @@ impl Layout {
             cells: [0, 1].map(|d| self.cells(d, block[d])),
             normal: None,
         };
-        let work = || Work::new(surface, demand, &self.net, block);
+        let work = || Work::new(demand, &self.net, pieces, block);
         let mut open: Vec<Square> = region.each().map(Square::cell).collect();
         // The largest squares first, until there are enough for all threads: so that few cells are shared as well.
         let (mut first, mut done) = (work(), 0);
@@ -319,7 +326,7 @@ struct Work<'a> {
     surface: &'a dyn Surface,
     demand: &'a Demand,
     net: &'a Bisection,
-    pieces: Pieces<'a>,
+    pieces: &'a Pieces<'a>,
     block: [Interval; 2],
     found: Found,
 }
@@ -336,16 +343,16 @@ struct Found {
 
 impl<'a> Work<'a> {
     fn new(
-        surface: &'a dyn Surface,
         demand: &'a Demand,
         net: &'a Bisection,
+        pieces: &'a Pieces<'a>,
         block: [Interval; 2],
     ) -> Self {
         Self {
-            surface,
+            surface: pieces.surface(),
             demand,
             net,
-            pieces: Pieces::new(surface, demand.tol),
+            pieces,
             block,
             found: Found {
                 squares: Vec::new(),
@@ -378,19 +385,29 @@ impl<'a> Work<'a> {
             block: self.block,
             least: [0, 1].map(|d| self.least(d, square)),
         };
-        let judged = self.judge(&place, square)?;
         let deeper = square.depth < MAX_DEPTH
             && place.uv.iter().all(|r| {
                 let middle = r.lo + 0.5 * r.width();
                 r.lo < middle && middle < r.hi
             });
+        if deeper && self.is_large(&place) {
+            return self.quarter(square, open);
+        }
+        let judged = self.judge(&place, square)?;
         let level = match judged.level {
-            Some(level) if level <= SETTLED || judged.least >= level || !deeper => level,
-            _ if deeper => {
-                self.found.squares.push((square, 2));
-                open.extend(square.children());
-                return self.demand.allows(self.found.triangles);
+            Some(level) if level <= SETTLED || !deeper => level,
+            Some(level) => {
+                let whole = 2.0f64.powi(level as i32 + 1);
+                match judged.parts {
+                    Some(parts) if parts.triangles < whole => {
+                        self.found.proven &= judged.proven;
+                        return self.accept(square, parts);
+                    }
+                    _ if judged.least >= level => level,
+                    _ => return self.quarter(square, open),
+                }
             }
+            None if deeper => return self.quarter(square, open),
             // Nothing can be said, even about the smallest square.
             _ => {
                 self.found.proven = false;
@@ -410,11 +427,49 @@ impl<'a> Work<'a> {
         self.found.triangles += (2.0f64).powi(level as i32 + 1);
         self.found.squares.push((square, level.min(deepest)));
         self.found.proven &= judged.proven;
-        if judged.deviation.is_finite() {
-            let between = BETWEEN * self.demand.tol;
-            self.found.deviation = self.found.deviation.max(judged.deviation + between);
-        }
+        self.deviate(judged.deviation);
         self.demand.allows(self.found.triangles)
+    }
+
+    /// Takes note of a deviation of points of the mesh.
+    fn deviate(&mut self, deviation: f64) {
+        if deviation.is_finite() {
+            let between = BETWEEN * self.demand.tol;
+            self.found.deviation = self.found.deviation.max(deviation + between);
+        }
+    }
+
+    /// Refines the parts of a square.
+    fn accept(&mut self, square: Square, parts: Parts) -> Result<(), MeshError> {
+        self.found.triangles += parts.triangles;
+        self.found.squares.push((square, 2 * parts.depth));
+        for (part, level) in square.parts(parts.depth).zip(parts.levels) {
+            let deepest = 2 * (DEPTH - part.depth);
+            self.found.proven &= level <= deepest;
+            if level > 0 {
+                self.found.squares.push((part, level.min(deepest)));
+            }
+        }
+        self.deviate(parts.deviation);
+        self.demand.allows(self.found.triangles)
+    }
+
+    /// Leaves a square to its children.
+    fn quarter(&mut self, square: Square, open: &mut Vec<Square>) -> Result<(), MeshError> {
+        self.found.squares.push((square, 2));
+        open.extend(square.children());
+        self.demand.allows(self.found.triangles)
+    }
+
+    /// True if the curvature in the middle alone needs so many bisections that enclosures over the square are not worth
+    /// their cost.
+    fn is_large(&self, place: &Place) -> bool {
+        let mut jet = [DVec3::ZERO; jet_len(2)];
+        let middle = place.uv.map(Interval::mid);
+        self.surface.jet_into(middle, Default::default(), 2, &mut jet);
+        let framed = Framed::new(place, &jet.map(Box3::point));
+        let level = framed.and_then(|f| f.within_reach().level(self.demand.tol, 0.0));
+        level.is_some_and(|(level, _)| level > *LARGE)
     }
 
     /// See [`Place::least`].
@@ -472,6 +527,7 @@ impl<'a> Work<'a> {
                 deviation: size,
                 least: 0,
                 proven,
+                parts: None,
             });
         }
         let grain = place
@@ -482,7 +538,14 @@ impl<'a> Work<'a> {
         let reach = framed.as_ref().map(Framed::within_reach);
         let slides = |f: &Framed| proven && f.between(self.demand.tol) <= BETWEEN * self.demand.tol;
         let framed = framed.filter(slides);
-        let best = bounds(self.surface, place, &enclosed, proven, framed.as_ref(), tol)
+        let inside = (0..2).all(|d| !place.touches(d));
+        let local = if inside && proven {
+            self.pieces.local(place.uv)
+        } else {
+            None
+        };
+        let (framed, local) = (framed.as_ref(), local.as_ref());
+        let best = bounds(self.surface, place, jet, local, proven, framed, tol)
             .iter()
             .filter_map(|b| b.level(tol, grain))
             .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -524,12 +587,61 @@ impl<'a> Work<'a> {
                 }
             }
         }
+        let parts = match (framed, local) {
+            (Some(framed), Some(local)) if (SETTLED + 1..=MOST).contains(&level) => {
+                Parts::new(framed, place, local, level, grain, tol)
+            }
+            _ => None,
+        };
         Ok(Judged {
             level: Some(level),
             deviation,
             least,
             proven,
+            parts,
         })
+    }
+}
+
+/// What the equal parts of a square need.
+struct Parts {
+    /// How often the square is halved along each direction.
+    depth: u32,
+    /// The bisections of the parts, v fastest.
+    levels: Vec<u32>,
+    triangles: f64,
+    deviation: f64,
+}
+
+impl Parts {
+    /// The parts of a square that needs so many bisections, such that the finest of them are settled; `None` if what is
+    /// known is too little to say that they need hardly more than their second derivatives ask for.
+    fn new(
+        framed: &Framed,
+        place: &Place,
+        local: &Local,
+        level: u32,
+        grain: f64,
+        tol: f64,
+    ) -> Option<Self> {
+        let depth = (level - 1) / SETTLED;
+        let n = 1 << depth;
+        let grain = grain * f64::from(n);
+        let mut out = Self {
+            depth,
+            levels: Vec::with_capacity(n as usize * n as usize),
+            triangles: 0.0,
+            deviation: 0.0,
+        };
+        let mut fewest = 0.0;
+        for [bound, best] in framed.in_parts(place, local, n) {
+            let (level, deviation) = bound.level(tol, grain)?;
+            out.levels.push(level);
+            out.triangles += 2.0f64.powi(level as i32 + 1);
+            out.deviation = out.deviation.max(deviation);
+            fewest += 2.0f64.powi(best.level(tol, 0.0)?.0 as i32 + 1);
+        }
+        (out.triangles <= ENOUGH_KNOWN * fewest).then_some(out)
     }
 }
 
@@ -541,6 +653,8 @@ struct Judged {
     /// The bisections that it would need at best.
     least: u32,
     proven: bool,
+    /// What its parts need, if that is worth a look.
+    parts: Option<Parts>,
 }
 
 impl Judged {
@@ -549,5 +663,6 @@ impl Judged {
         deviation: f64::INFINITY,
         least: 0,
         proven: false,
+        parts: None,
     };
 }

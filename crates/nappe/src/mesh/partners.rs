@@ -43,13 +43,13 @@
 //! `⅛ sup|r_vv| v²`, and the end by the bound of an edge. This is `d = 0` with other parameters of the same mesh.
 
 use super::bound::ROUND_UP;
-use super::pieces::{Enclosed, Local};
+use super::pieces::{Jet, Local};
 use super::slide::{NEGLIGIBLE, Tip, frame, tip};
 use crate::ball::{Ball, Ball3};
 use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::surface::Surface;
-use glam::{DMat3, DVec3};
+use glam::DMat3;
 use smallvec::{SmallVec, smallvec};
 
 /// The neighbourhood of a square in which partners are looked for, as a share of its size.
@@ -145,11 +145,21 @@ fn popoviciu([uu, uv, vv]: [f64; 3]) -> [f64; 2] {
 impl Form {
     /// The greatest error of interpolation, for triangles that are an even and an odd number of times bisected.
     fn error(&self) -> [f64; 2] {
+        let (middle, rest) = (self.middle(), self.rest());
+        [0, 1].map(|k| middle[k] + rest[k])
+    }
+
+    /// What the radii add to the error.
+    fn rest(&self) -> [f64; 2] {
+        popoviciu(self.0.map(|q| q.rad))
+    }
+
+    /// The error of the form in the middle.
+    fn middle(&self) -> [f64; 2] {
         let [u, c, v] = self.0.map(|q| q.mid);
-        let radius = self.0.map(|q| q.rad);
         let (mean, half) = (0.5 * (u + v), length2(0.5 * (u - v), c));
         let (upper, lower) = (mean + half, mean - half);
-        let middle = SIDES.map(|kinds| {
+        SIDES.map(|kinds| {
             let of = |sides: [[f64; 2]; 3]| {
                 if upper * lower >= 0.0 {
                     let q = sides.map(|[x, y]| (u * x * x + 2.0 * c * x * y + v * y * y).abs());
@@ -167,9 +177,7 @@ impl Form {
                 }
             };
             of(kinds[0]).max(of(kinds[1]))
-        });
-        let rest = popoviciu(radius);
-        [0, 1].map(|k| middle[k] + rest[k])
+        })
     }
 }
 
@@ -203,7 +211,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    fn touches(&self, d: usize) -> bool {
+    pub(super) fn touches(&self, d: usize) -> bool {
         let (r, b) = (self.uv[d], self.block[d]);
         r.lo <= b.lo || r.hi >= b.hi
     }
@@ -217,15 +225,6 @@ impl Place {
                 lo: (r.lo - room).max(self.block[d].lo),
                 hi: (r.hi + room).min(self.block[d].hi),
             }
-        })
-    }
-
-    /// True if the surroundings have the same middle, but for rounding.
-    fn is_central(&self) -> bool {
-        let around = self.surroundings();
-        (0..2).all(|d| {
-            let off = (around[d].mid() - self.uv[d].mid()).abs();
-            off <= 2.0 * f64::EPSILON * around[d].mag()
         })
     }
 
@@ -275,28 +274,53 @@ impl Framed {
         }
     }
 
-    /// Partners along the normal.
+    /// Partners along the normal; `local` is what is known about the square itself.
     fn inside(&self, place: &Place, local: Option<&Local>) -> Bound {
-        let Self {
-            turn,
-            sized,
-            normal,
-        } = self;
+        let tilted = self.tilted(place);
+        let Some(local) = local else {
+            let error = self.sized.form(|x| x.z).error();
+            return Bound {
+                error: [0, 1].map(|k| tilted.error[k] + error[k]),
+                ..tilted
+            };
+        };
+        let change = Change::new(place, local, &self.turn);
+        change.bound(&tilted, &change.form([0.0; 2]), 1.0)
+    }
+
+    /// Bounds for `n` × `n` equal parts of a square, v fastest, in terms of the parts, each with what could be said if its
+    /// second derivatives were constant. The partners of all parts are those of the square.
+    pub(super) fn in_parts(
+        &self,
+        place: &Place,
+        local: &Local,
+        n: u32,
+    ) -> impl Iterator<Item = [Bound; 2]> {
+        let tilted = self.tilted(place);
+        let change = Change::new(place, local, &self.turn);
+        let share = 1.0 / f64::from(n);
+        (0..n * n).map(move |k| {
+            let form = change.form([k / n, k % n].map(|i| (f64::from(i) + 0.5) * share - 0.5));
+            let best = Bound {
+                error: form.middle().map(|e| e * share * share),
+                ..Bound::default()
+            };
+            [change.bound(&tilted, &form, share), best]
+        })
+    }
+
+    /// What partners along the normal add, and what the components along the surface do if they leave it.
+    fn tilted(&self, place: &Place) -> Bound {
+        let Self { sized, normal, .. } = self;
         let least = normal.z.lo();
         let [mx, my] = [normal.x.mag() / least, normal.y.mag() / least];
         let within = [sized.form(|x| x.x).error(), sized.form(|x| x.y).error()];
-        let mut bound = match local {
-            Some(local) => cubic(place, local, turn),
-            None => Bound {
-                error: sized.form(|x| x.z).error(),
-                ..Bound::default()
-            },
-        };
         let [a, b] = sized.first.map(|x| length2(x.x.mag(), x.y.mag()));
         let norms = sized.norms();
         let room = [0, 1].map(|d| place.room(d)).map(|[a, b]| a.min(b));
+        let mut bound = Bound::default();
         for k in 0..2 {
-            bound.error[k] += mx * within[0][k] + my * within[1][k];
+            bound.error[k] = mx * within[0][k] + my * within[1][k];
             // How far partners are away along u and v.
             let e = length2(within[0][k], within[1][k]);
             let [u, v] = [e * b / least, e * a / least];
@@ -307,28 +331,62 @@ impl Framed {
     }
 }
 
-/// What is left of z where second derivatives change about linearly.
-fn cubic(place: &Place, local: &Local, turn: &DMat3) -> Bound {
-    let size = [0, 1].map(|d| place.uv[d].width() / local.half[d] * ROUND_UP);
-    let z = turn.row(2);
-    let of = |(i, j): (usize, usize), x: DVec3| {
-        size[0].powi(i as i32) * size[1].powi(j as i32) * z.dot(x)
-    };
-    const SECOND: [(usize, usize); 3] = [(2, 0), (1, 1), (0, 2)];
-    let middle = [0, 1, 2].map(|k| Ball {
-        mid: of(SECOND[k], local.second[k]),
-        rad: size[0].powi(2 - k as i32) * size[1].powi(k as i32) * z.abs().dot(local.rest[k]),
-    });
-    let third: [f64; 4] = std::array::from_fn(|k| of((3 - k, k), local.third[k]).abs() * ROUND_UP);
-    // The middles of longest sides are at most half a square away from its middle.
-    let [u, v] =
-        [0, 1].map(|k| popoviciu([0.5 * third[k], 0.5 * third[k + 1], 0.5 * third[k + 2]]));
-    let [uuu, uuv, uvv, vvv] = third;
-    Bound {
-        error: Form(middle).error(),
-        skew: [0, 1].map(|k| [u[k], v[k]]),
-        cubic: CUBE * (uuu + vvv) + MIXED * (uuv + uvv),
-        ..Bound::default()
+/// The component across a surface where its second derivatives change about linearly, along the sides of a square.
+struct Change {
+    /// The second derivatives in the middle, with how much they are off from this law anywhere.
+    second: [Ball; 3],
+    third: [f64; 4],
+}
+
+impl Change {
+    fn new(place: &Place, local: &Local, turn: &DMat3) -> Self {
+        let size = [0, 1].map(|d| place.uv[d].width() / local.half[d] * ROUND_UP);
+        let z = turn.row(2);
+        let scale = |i: i32, j: i32| size[0].powi(i) * size[1].powi(j);
+        let scales = [scale(2, 0), scale(1, 1), scale(0, 2)];
+        Self {
+            second: [0, 1, 2].map(|k| Ball {
+                mid: scales[k] * z.dot(local.second[k]),
+                rad: scales[k] * z.abs().dot(local.rest[k]),
+            }),
+            third: std::array::from_fn(|k| {
+                scale(3 - k as i32, k as i32) * z.dot(local.third[k]) * ROUND_UP
+            }),
+        }
+    }
+
+    /// The form of second derivatives at a place, in shares of the square from its middle.
+    fn form(&self, [x, y]: [f64; 2]) -> Form {
+        Form([0, 1, 2].map(|k| {
+            let [a, b] = [self.third[k] * x, self.third[k + 1] * y];
+            let Ball { mid, rad } = self.second[k];
+            let rounding = 4.0 * f64::EPSILON * (mid.abs() + a.abs() + b.abs());
+            Ball {
+                mid: mid + a + b,
+                rad: rad + rounding,
+            }
+        }))
+    }
+
+    /// The bound for a part of the square with so large sides and that form in its middle.
+    fn bound(&self, tilted: &Bound, form: &Form, share: f64) -> Bound {
+        // The middles of longest sides are at most half a part away from its middle.
+        let third = self.third.map(f64::abs);
+        let skew = |k: usize| {
+            let part = popoviciu([0.5 * third[k], 0.5 * third[k + 1], 0.5 * third[k + 2]]);
+            part.map(|x| x * share.powi(3))
+        };
+        let [u, v] = [skew(0), skew(1)];
+        let [uuu, uuv, uvv, vvv] = third;
+        let error = form.error();
+        Bound {
+            error: [0, 1].map(|k| (tilted.error[k] + error[k]) * share.powi(2)),
+            skew: [0, 1].map(|k| [u[k], v[k]]),
+            cubic: (CUBE * (uuu + vvv) + MIXED * (uuv + uvv)) * share.powi(3),
+            added: tilted.added.map(|x| x * share.powi(4)),
+            slip: tilted.slip.map(|x| x * share.powi(2)),
+            shift: 0.0,
+        }
     }
 }
 
@@ -337,27 +395,24 @@ fn cubic(place: &Place, local: &Local, turn: &DMat3) -> Bound {
 const CUBE: f64 = 0.009;
 const MIXED: f64 = 0.0625;
 
-/// Bounds for a square of the quadtree, from an enclosure over its surroundings. Partners have other parameters only if
-/// it is `framed`.
+/// Bounds for a square of the quadtree, from an enclosure over its surroundings and what is known about the square itself.
+/// Partners have other parameters only if it is `framed`.
 pub(super) fn bounds(
     surface: &dyn Surface,
     place: &Place,
-    enclosed: &Enclosed,
+    jet: &Jet<Box3>,
+    local: Option<&Local>,
     proven: bool,
     framed: Option<&Framed>,
     tol: f64,
 ) -> SmallVec<[Bound; 3]> {
-    let jet = &enclosed.jet;
     let mut out = smallvec![plain(place, jet)];
     if !proven {
         return out;
     }
     if let Some(framed) = framed {
         match [0, 1].map(|d| place.touches(d)) {
-            [false, false] => {
-                let local = enclosed.local.as_ref().filter(|_| place.is_central());
-                out.push(framed.inside(place, local));
-            }
+            [false, false] => out.push(framed.inside(place, local)),
             [false, true] => out.extend(along(place, jet, 0)),
             [true, false] => out.extend(along(place, jet, 1)),
             [true, true] => {}
@@ -452,6 +507,7 @@ mod tests {
     use super::super::bisection::{Bisection, Square};
     use super::*;
     use crate::laws::Random;
+    use glam::DVec3;
 
     /// The greatest error of interpolation on a triangle, on a grid of points.
     fn off(f: impl Fn([f64; 2]) -> f64, corners: [[f64; 2]; 3], steps: usize) -> f64 {
@@ -558,7 +614,8 @@ mod tests {
                 let cubic = a * x * x * x + 3.0 * (b * x * x * y + c * x * y * y) + d * y * y * y;
                 quadratic + cubic / 6.0
             };
-            let bound = cubic(&place, &local, &DMat3::IDENTITY);
+            let change = Change::new(&place, &local, &DMat3::IDENTITY);
+            let bound = change.bound(&Bound::default(), &change.form([0.0; 2]), 1.0);
             let found: Vec<f64> = (0..7).map(|level| bisected(f, level)).collect();
             for level in 0..6 {
                 let bound = bound.deviation(level, 0.0, f64::INFINITY).unwrap();

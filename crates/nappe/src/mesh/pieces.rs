@@ -15,11 +15,13 @@ use crate::breaks::{Breaks, Limit, Part};
 use crate::interval::Interval;
 use crate::surface::{Dir, Surface, jet_index, jet_len};
 use glam::DVec3;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The order of Taylor's formula: of two cubic sides nothing is left.
 const ORDER: usize = 6;
-/// Pieces along each direction that are enclosed together.
-const TILE: usize = 16;
+/// Pieces along each direction that are enclosed together, by one thread.
+const TILE: usize = 8;
 /// A rectangle over more pieces is enclosed by itself.
 const MOST: usize = 16;
 /// A rectangle larger than this share of a piece is enclosed by itself.
@@ -35,14 +37,18 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 const DIRS: [Dir; 2] = [Dir::U, Dir::V];
 
-/// A surface whose enclosures are prepared.
+/// A surface whose enclosures are prepared, for all threads that ask.
 pub(super) struct Pieces<'a> {
     surface: &'a dyn Surface,
     tol: f64,
     /// For each tile of pieces, v fastest, its pieces, v fastest.
-    tiles: Vec<Option<Vec<Piece>>>,
-    kept: usize,
+    tiles: Vec<Mutex<Option<Tile>>>,
+    /// The number of pieces that are kept, with their quarters.
+    kept: AtomicUsize,
 }
+
+/// Some pieces that are enclosed together.
+type Tile = Arc<[Piece]>;
 
 impl<'a> Pieces<'a> {
     /// Enclosures that tell what a mesh within `tol` needs.
@@ -51,13 +57,17 @@ impl<'a> Pieces<'a> {
         Self {
             surface,
             tol,
-            tiles: vec![None; tiles[0] * tiles[1]],
-            kept: 0,
+            tiles: (0..tiles[0] * tiles[1]).map(|_| Mutex::new(None)).collect(),
+            kept: AtomicUsize::new(0),
         }
     }
 
+    pub(super) fn surface(&self) -> &'a dyn Surface {
+        self.surface
+    }
+
     /// Encloses the jet of order 2 over a rectangle.
-    pub(super) fn enclose(&mut self, uv: [Interval; 2]) -> Enclosed {
+    pub(super) fn enclose(&self, uv: [Interval; 2]) -> Enclosed {
         let range = [0, 1].map(|d| {
             let breaks = self.surface.breaks(DIRS[d]);
             breaks.find(uv[d].lo, Limit::Above)..breaks.find(uv[d].hi, Limit::Below) + 1
@@ -69,39 +79,64 @@ impl<'a> Pieces<'a> {
         if shares[0] * shares[1] > LARGE || range[0].len() * range[1].len() > MOST {
             return Enclosed::direct(self.surface, uv);
         }
-        if self.kept > KEPT {
-            self.tiles.fill(None);
-            self.kept = 0;
+        if self.kept.load(Ordering::Relaxed) > KEPT {
+            self.tiles.iter().for_each(|t| *locked(t) = None);
+            self.kept.store(0, Ordering::Relaxed);
         }
         let mut hull = None;
         for (i, j) in range[0]
             .clone()
             .flat_map(|i| range[1].clone().map(move |j| (i, j)))
         {
-            let (surface, tol) = (self.surface, self.tol);
-            let (piece, kept) = self.piece([i, j]);
-            piece.join(surface, uv, tol, kept, &mut hull);
+            let (tile, place) = self.piece([i, j]);
+            tile[place].join(self, uv, &mut hull);
         }
         hull.unwrap_or_else(|| Enclosed::direct(self.surface, uv))
     }
 
-    /// A piece, and the number of those that are kept.
-    fn piece(&mut self, at: [usize; 2]) -> (&mut Piece, &mut usize) {
+    /// What is known about a small rectangle in one piece.
+    pub(super) fn local(&self, uv: [Interval; 2]) -> Option<Local> {
+        let at = [0, 1].map(|d| {
+            let (breaks, t) = (self.surface.breaks(DIRS[d]), uv[d]);
+            let first = breaks.find(t.lo, Limit::Above);
+            (first == breaks.find(t.hi, Limit::Below)).then_some(first)
+        });
+        let [Some(i), Some(j)] = at else { return None };
+        let (tile, place) = self.piece([i, j]);
+        let mut hull = None;
+        tile[place].join(self, uv, &mut hull);
+        hull.and_then(|h| h.local)
+    }
+
+    /// The tile of a piece, and the piece's place there.
+    fn piece(&self, at: [usize; 2]) -> (Tile, usize) {
         let count = DIRS.map(|d| self.surface.breaks(d).pieces());
         let tile = at.map(|k| k / TILE);
         let within = [0, 1].map(|d| tile[d] * TILE..count[d].min((tile[d] + 1) * TILE));
         let number = tile[0] * count[1].div_ceil(TILE) + tile[1];
-        let tile = self.tiles[number].get_or_insert_with(|| {
+        let place = (at[0] - within[0].start) * within[1].len() + at[1] - within[1].start;
+        let mut kept = locked(&self.tiles[number]);
+        let tile = kept.get_or_insert_with(|| {
             let parts = [0, 1].map(|d| -> Vec<Interval> {
                 let breaks = self.surface.breaks(DIRS[d]);
                 within[d].clone().map(|k| breaks.piece(k)).collect()
             });
-            self.kept += parts[0].len() * parts[1].len();
-            Piece::all(self.surface, parts)
+            self.pieces(parts).into()
         });
-        let place = (at[0] - within[0].start) * within[1].len() + at[1] - within[1].start;
-        (&mut tile[place], &mut self.kept)
+        (tile.clone(), place)
     }
+
+    /// The pieces for each pair of a part of u and one of v.
+    fn pieces(&self, parts: [Vec<Interval>; 2]) -> Vec<Piece> {
+        self.kept
+            .fetch_add(parts[0].len() * parts[1].len(), Ordering::Relaxed);
+        Piece::all(self.surface, parts)
+    }
+}
+
+/// A panic while it was locked has left nothing half done.
+fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What is known about a rectangle.
@@ -171,7 +206,7 @@ struct Piece {
     noise: Jet<DVec3>,
     /// What is known over all of it.
     over: Jet<Box3>,
-    quarters: Option<Box<[Piece]>>,
+    quarters: OnceLock<Box<[Piece]>>,
 }
 
 impl Piece {
@@ -228,23 +263,16 @@ impl Piece {
             rest,
             noise,
             over: std::array::from_fn(|k| over[k]),
-            quarters: None,
+            quarters: OnceLock::new(),
         }
     }
 
-    /// Joins the enclosure over the common part with a rectangle to a hull; counts the quarters that it makes.
-    fn join(
-        &mut self,
-        surface: &dyn Surface,
-        uv: [Interval; 2],
-        tol: f64,
-        kept: &mut usize,
-        hull: &mut Option<Enclosed>,
-    ) {
+    /// Joins the enclosure over the common part with a rectangle to a hull.
+    fn join(&self, pieces: &Pieces, uv: [Interval; 2], hull: &mut Option<Enclosed>) {
         let [Some(u), Some(v)] = [0, 1].map(|d| self.uv[d].intersection(uv[d])) else {
             return;
         };
-        let (enclosed, near) = self.expand([u, v], tol);
+        let (enclosed, near) = self.expand([u, v], pieces.tol);
         if !near {
             let halves = [0, 1].map(|d| {
                 let (t, middle) = (self.uv[d], self.middle[d]);
@@ -255,12 +283,11 @@ impl Piece {
                 wide && 2.0 * part.width() <= self.uv[d].width()
             };
             if can_be_halved(0, u) && can_be_halved(1, v) {
-                let quarters = self.quarters.get_or_insert_with(|| {
-                    *kept += 4;
-                    Piece::all(surface, halves.map(Vec::from)).into_boxed_slice()
-                });
+                let quarters = self
+                    .quarters
+                    .get_or_init(|| pieces.pieces(halves.map(Vec::from)).into());
                 for quarter in quarters {
-                    quarter.join(surface, [u, v], tol, kept, hull);
+                    quarter.join(pieces, [u, v], hull);
                 }
                 return;
             }
@@ -431,7 +458,7 @@ mod tests {
             let size = surface.bounds(domain).diagonal();
             let mut local = 0;
             for tol in [1e-1, 1e-4] {
-                let mut pieces = Pieces::new(surface.as_ref(), tol * size);
+                let pieces = Pieces::new(surface.as_ref(), tol * size);
                 for _ in 0..150 {
                     let share = 10f64.powf(-4.0 * random.unit());
                     let uv = domain.map(|d| {

@@ -7,8 +7,9 @@
 
 use super::bound::Bend;
 use super::layout::{Demand, grid_bound, parts};
+use crate::breaks::{Break, Breaks};
 use crate::interval::Interval;
-use crate::surface::{Surface, jet_len};
+use crate::surface::{Dir, Surface, jet_len};
 use glam::DVec3;
 
 /// Samples along each direction of a cell.
@@ -17,6 +18,10 @@ const SAMPLES: usize = 6;
 const GAIN: f64 = 0.85;
 /// The most lines that halving may lead to, along each direction.
 const MOST: usize = 4096;
+/// Lines between pieces are worth while from so many cells in each on.
+const IN_A_PIECE: usize = 16;
+/// Pieces this many times narrower than the mean have no lines of their own.
+const NARROW: f64 = 4.0;
 /// A grid with so few cells cannot be improved.
 const FEW: f64 = 2.0;
 /// What bisection needs more cells than the curvature asks for: sizes go in steps.
@@ -191,6 +196,7 @@ pub(super) fn roots(surface: &dyn Surface, blocks: &[Vec<Interval>; 2], demand: 
         })
         .collect::<Vec<_>>()
     });
+    cut_at_pieces(surface, blocks, &grids, &mut strips, demand.tol);
     halve(surface, blocks, &grids, &mut strips, demand.tol);
     // What crosses from other blocks can only make cells smaller.
     Roots {
@@ -223,6 +229,48 @@ fn common(block: Interval, d: usize, grids: &[&Grid], least: f64) -> Vec<Interva
         .enumerate()
         .flat_map(part)
         .collect()
+}
+
+/// Cuts strips between the pieces of a surface that needs many cells in each: squares in one piece are known better than
+/// those in several.
+fn cut_at_pieces(
+    surface: &dyn Surface,
+    blocks: &[Vec<Interval>; 2],
+    grids: &[Option<Grid>],
+    strips: &mut [Vec<Vec<Interval>>; 2],
+    tol: f64,
+) {
+    let breaks = [Dir::U, Dir::V].map(|d| surface.breaks(d));
+    let pieces = breaks.map(|b| b.pieces());
+    if grids.iter().any(Option::is_some) || pieces[0].max(pieces[1]) > MOST {
+        return;
+    }
+    let each = (pieces[0] * pieces[1] * IN_A_PIECE) as f64;
+    let blocks_of = || blocks[0].iter().flat_map(|&u| blocks[1].iter().map(move |&v| [u, v]));
+    if blocks_of().map(|uv| expected(surface, uv, tol)).sum::<f64>() < each {
+        return;
+    }
+    for d in 0..2 {
+        for strip in strips[d].iter_mut() {
+            *strip = strip.iter().flat_map(|&s| at_pieces(breaks[d], s)).collect();
+        }
+    }
+}
+
+/// The parts of a range in one piece each; a piece that is much narrower than the others shares one with its neighbours.
+fn at_pieces(breaks: &[Break], range: Interval) -> Vec<Interval> {
+    let parts = breaks.parts(range);
+    let narrow = range.width() / (NARROW * parts.len() as f64);
+    let mut from = range.lo;
+    let mut cuts = vec![from];
+    for (part, _) in parts.iter().skip(1) {
+        if part.lo - from > narrow && range.hi - part.lo > narrow {
+            from = part.lo;
+            cuts.push(from);
+        }
+    }
+    cuts.push(range.hi);
+    cuts.windows(2).map(|w| Interval::new(w[0], w[1])).collect()
 }
 
 /// About the number of cells that bisection of a block needs.
