@@ -70,10 +70,7 @@ impl Square {
         let size = CELL >> depth;
         let n = 1 << times;
         (0..n * n).map(move |k| Self {
-            corner: [
-                self.corner[0] + k / n * size,
-                self.corner[1] + k % n * size,
-            ],
+            corner: [self.corner[0] + k / n * size, self.corner[1] + k % n * size],
             depth,
         })
     }

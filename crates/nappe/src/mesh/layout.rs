@@ -10,6 +10,7 @@ use super::lines::index;
 use super::measured::{LEVELS, PARTS, Samples};
 use super::options::MeshError;
 use super::partners::{BETWEEN, Framed, Place, bounds};
+use super::parts::Parts;
 use super::pieces::{Enclosed, Local, Pieces};
 use super::roots::{Grid, Roots, roots};
 use super::slide::slide;
@@ -32,10 +33,12 @@ const FAR: u32 = LEVELS + 2;
 const SETTLED: u32 = 2;
 /// The most bisections of a square whose parts are judged together.
 const MOST: u32 = 8;
+/// Squares of at most this share of a piece are not measured for one bisection.
+const SMALL: f64 = 1.0 / 32.0;
 /// Parts that need this many times the triangles that their second derivatives ask for are enclosed by themselves.
-const ENOUGH_KNOWN: f64 = 1.125;
+const ENOUGH_KNOWN: f64 = 2.0;
 /// Squares that surely need more bisections are looked at in parts.
-static LARGE: std::sync::LazyLock<u32> = std::sync::LazyLock::new(|| std::env::var("S").map_or(6, |s| s.parse().unwrap()));
+const LARGE: u32 = FAR;
 /// The shares of a block that threads work on, and the squares to begin with.
 const SHARES: usize = 16;
 const ENOUGH: usize = 64;
@@ -403,8 +406,8 @@ impl<'a> Work<'a> {
                         self.found.proven &= judged.proven;
                         return self.accept(square, parts);
                     }
-                    _ if judged.least >= level => level,
-                    _ => return self.quarter(square, open),
+                    None if judged.least < level => return self.quarter(square, open),
+                    _ => level,
                 }
             }
             None if deeper => return self.quarter(square, open),
@@ -440,7 +443,7 @@ impl<'a> Work<'a> {
     }
 
     /// Refines the parts of a square.
-    fn accept(&mut self, square: Square, parts: Parts) -> Result<(), MeshError> {
+    fn accept(&mut self, square: Square, parts: Halved) -> Result<(), MeshError> {
         self.found.triangles += parts.triangles;
         self.found.squares.push((square, 2 * parts.depth));
         for (part, level) in square.parts(parts.depth).zip(parts.levels) {
@@ -466,10 +469,11 @@ impl<'a> Work<'a> {
     fn is_large(&self, place: &Place) -> bool {
         let mut jet = [DVec3::ZERO; jet_len(2)];
         let middle = place.uv.map(Interval::mid);
-        self.surface.jet_into(middle, Default::default(), 2, &mut jet);
+        self.surface
+            .jet_into(middle, Default::default(), 2, &mut jet);
         let framed = Framed::new(place, &jet.map(Box3::point));
         let level = framed.and_then(|f| f.within_reach().level(self.demand.tol, 0.0));
-        level.is_some_and(|(level, _)| level > *LARGE)
+        level.is_some_and(|(level, _)| level > LARGE)
     }
 
     /// See [`Place::least`].
@@ -489,7 +493,13 @@ impl<'a> Work<'a> {
             let reach = f.within_reach().level(self.demand.tol, 0.0);
             reach.is_some_and(|r| r.0 > FAR)
         });
-        if !(enclosed.sharp || coarse) {
+        let inside = (0..2).all(|d| !place.touches(d));
+        let local = if inside && !coarse && framed.is_some() {
+            self.pieces.local(place.uv)
+        } else {
+            None
+        };
+        if !(enclosed.sharp || coarse || local.is_some()) {
             enclosed = enclosed.sharpened(self.surface, around);
             framed = Framed::new(place, &enclosed.jet);
         }
@@ -538,12 +548,6 @@ impl<'a> Work<'a> {
         let reach = framed.as_ref().map(Framed::within_reach);
         let slides = |f: &Framed| proven && f.between(self.demand.tol) <= BETWEEN * self.demand.tol;
         let framed = framed.filter(slides);
-        let inside = (0..2).all(|d| !place.touches(d));
-        let local = if inside && proven {
-            self.pieces.local(place.uv)
-        } else {
-            None
-        };
         let (framed, local) = (framed.as_ref(), local.as_ref());
         let best = bounds(self.surface, place, jet, local, proven, framed, tol)
             .iter()
@@ -555,10 +559,23 @@ impl<'a> Work<'a> {
                 ..Judged::UNKNOWN
             });
         };
+        let parts = match (framed, local) {
+            (Some(framed), Some(local)) if (SETTLED + 1..=MOST).contains(&level) => {
+                Halved::new(framed, place, local, level, grain, tol)
+            }
+            _ => None,
+        };
         // With hardly a bisection if all goes well: measuring says for each number of bisections what the bound says for
         // `level` and more.
         let least = reach.and_then(|r| r.level(tol, grain)).map_or(0, |r| r.0);
-        if framed.is_some() && level > least && level <= LEVELS + 1 && least <= 1 {
+        // Of many small squares, some triangles more cost less than measuring.
+        let small = local.is_some_and(|l| du * dv <= SMALL * 4.0 * l.half[0] * l.half[1]);
+        if framed.is_some()
+            && parts.is_none()
+            && level > if small { least + 1 } else { least }
+            && level <= LEVELS + 1
+            && least <= 1
+        {
             let open = Side::ALL.map(|side| {
                 let d = index(side.across());
                 let (place, domain) = (place.uv[d], self.surface.domain()[d]);
@@ -587,12 +604,6 @@ impl<'a> Work<'a> {
                 }
             }
         }
-        let parts = match (framed, local) {
-            (Some(framed), Some(local)) if (SETTLED + 1..=MOST).contains(&level) => {
-                Parts::new(framed, place, local, level, grain, tol)
-            }
-            _ => None,
-        };
         Ok(Judged {
             level: Some(level),
             deviation,
@@ -604,7 +615,7 @@ impl<'a> Work<'a> {
 }
 
 /// What the equal parts of a square need.
-struct Parts {
+struct Halved {
     /// How often the square is halved along each direction.
     depth: u32,
     /// The bisections of the parts, v fastest.
@@ -613,7 +624,7 @@ struct Parts {
     deviation: f64,
 }
 
-impl Parts {
+impl Halved {
     /// The parts of a square that needs so many bisections, such that the finest of them are settled; `None` if what is
     /// known is too little to say that they need hardly more than their second derivatives ask for.
     fn new(
@@ -634,7 +645,7 @@ impl Parts {
             deviation: 0.0,
         };
         let mut fewest = 0.0;
-        for [bound, best] in framed.in_parts(place, local, n) {
+        for [bound, best] in Parts::new(framed, place, local, n).all() {
             let (level, deviation) = bound.level(tol, grain)?;
             out.levels.push(level);
             out.triangles += 2.0f64.powi(level as i32 + 1);
@@ -654,7 +665,7 @@ struct Judged {
     least: u32,
     proven: bool,
     /// What its parts need, if that is worth a look.
-    parts: Option<Parts>,
+    parts: Option<Halved>,
 }
 
 impl Judged {

@@ -34,6 +34,7 @@ mod measured;
 mod options;
 mod partial;
 mod partners;
+mod parts;
 mod patch;
 mod pieces;
 mod roots;

@@ -43,6 +43,7 @@
 //! `⅛ sup|r_vv| v²`, and the end by the bound of an edge. This is `d = 0` with other parameters of the same mesh.
 
 use super::bound::ROUND_UP;
+use super::parts::Parts;
 use super::pieces::{Jet, Local};
 use super::slide::{NEGLIGIBLE, Tip, frame, tip};
 use crate::ball::{Ball, Ball3};
@@ -61,19 +62,19 @@ pub(super) const BETWEEN: f64 = 1.0 / 8.0;
 /// `q² (error + skew + cubic q) + added q⁴ + shift`, if `slip q² ≤ 1`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Bound {
-    error: [f64; 2],
+    pub(super) error: [f64; 2],
     /// What the linear change of second derivatives along u and along v adds at the border of the square.
-    skew: [[f64; 2]; 2],
-    cubic: f64,
-    added: [f64; 2],
-    slip: [f64; 2],
+    pub(super) skew: [[f64; 2]; 2],
+    pub(super) cubic: f64,
+    pub(super) added: [f64; 2],
+    pub(super) slip: [f64; 2],
     /// What is lost whatever the triangles.
-    shift: f64,
+    pub(super) shift: f64,
 }
 
 impl Bound {
     /// The bound after some bisections; `None` if partners are too far away for it.
-    fn deviation(&self, level: u32, grain: f64, tol: f64) -> Option<f64> {
+    pub(super) fn deviation(&self, level: u32, grain: f64, tol: f64) -> Option<f64> {
         let odd = level as usize % 2;
         let q = share(level) + grain;
         let added = self.added[odd] * q.powi(4);
@@ -120,7 +121,7 @@ fn share(level: u32) -> f64 {
 }
 
 /// The second derivatives of a function along the sides of a rectangle: `uu Δu²`, `uv Δu Δv`, `vv Δv²`.
-struct Form([Ball; 3]);
+pub(super) struct Form(pub(super) [Ball; 3]);
 
 /// The sides of the triangles that are an even and an odd number of times bisected, in units of the rectangle.
 const SIDES: [[[[f64; 2]; 3]; 2]; 2] = [
@@ -135,7 +136,7 @@ const SIDES: [[[[f64; 2]; 3]; 2]; 2] = [
 ];
 
 /// The sum in Popoviciu's inequality for triangles that are an even and an odd number of times bisected.
-fn popoviciu([uu, uv, vv]: [f64; 3]) -> [f64; 2] {
+pub(super) fn popoviciu([uu, uv, vv]: [f64; 3]) -> [f64; 2] {
     [
         0.125 * (uu + 2.0 * uv + vv),
         0.125 * (uu + uv + 0.25 * vv).max(0.25 * uu + uv + vv),
@@ -150,12 +151,12 @@ impl Form {
     }
 
     /// What the radii add to the error.
-    fn rest(&self) -> [f64; 2] {
+    pub(super) fn rest(&self) -> [f64; 2] {
         popoviciu(self.0.map(|q| q.rad))
     }
 
     /// The error of the form in the middle.
-    fn middle(&self) -> [f64; 2] {
+    pub(super) fn middle(&self) -> [f64; 2] {
         let [u, c, v] = self.0.map(|q| q.mid);
         let (mean, half) = (0.5 * (u + v), length2(0.5 * (u - v), c));
         let (upper, lower) = (mean + half, mean - half);
@@ -182,7 +183,7 @@ impl Form {
 }
 
 /// Quicker than what avoids overflow: beyond that there is no bound.
-fn length2(x: f64, y: f64) -> f64 {
+pub(super) fn length2(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
@@ -238,8 +239,8 @@ impl Place {
 /// What is known about a square of the quadtree, in a frame whose z is about normal; from an enclosure over its
 /// surroundings.
 pub(super) struct Framed {
-    turn: DMat3,
-    sized: Sized,
+    pub(super) turn: DMat3,
+    pub(super) sized: Sized,
     normal: Ball3,
 }
 
@@ -276,124 +277,46 @@ impl Framed {
 
     /// Partners along the normal; `local` is what is known about the square itself.
     fn inside(&self, place: &Place, local: Option<&Local>) -> Bound {
-        let tilted = self.tilted(place);
-        let Some(local) = local else {
-            let error = self.sized.form(|x| x.z).error();
-            return Bound {
-                error: [0, 1].map(|k| tilted.error[k] + error[k]),
-                ..tilted
-            };
-        };
-        let change = Change::new(place, local, &self.turn);
-        change.bound(&tilted, &change.form([0.0; 2]), 1.0)
-    }
-
-    /// Bounds for `n` × `n` equal parts of a square, v fastest, in terms of the parts, each with what could be said if its
-    /// second derivatives were constant. The partners of all parts are those of the square.
-    pub(super) fn in_parts(
-        &self,
-        place: &Place,
-        local: &Local,
-        n: u32,
-    ) -> impl Iterator<Item = [Bound; 2]> {
-        let tilted = self.tilted(place);
-        let change = Change::new(place, local, &self.turn);
-        let share = 1.0 / f64::from(n);
-        (0..n * n).map(move |k| {
-            let form = change.form([k / n, k % n].map(|i| (f64::from(i) + 0.5) * share - 0.5));
-            let best = Bound {
-                error: form.middle().map(|e| e * share * share),
-                ..Bound::default()
-            };
-            [change.bound(&tilted, &form, share), best]
-        })
-    }
-
-    /// What partners along the normal add, and what the components along the surface do if they leave it.
-    fn tilted(&self, place: &Place) -> Bound {
+        if let Some(local) = local {
+            return Parts::new(self, place, local, 1).bounds([0.0; 2])[0];
+        }
         let Self { sized, normal, .. } = self;
         let least = normal.z.lo();
         let [mx, my] = [normal.x.mag() / least, normal.y.mag() / least];
-        let within = [sized.form(|x| x.x).error(), sized.form(|x| x.y).error()];
+        let [x, y, z] = self.errors();
         let [a, b] = sized.first.map(|x| length2(x.x.mag(), x.y.mag()));
-        let norms = sized.norms();
-        let room = [0, 1].map(|d| place.room(d)).map(|[a, b]| a.min(b));
-        let mut bound = Bound::default();
-        for k in 0..2 {
-            bound.error[k] = mx * within[0][k] + my * within[1][k];
-            // How far partners are away along u and v.
-            let e = length2(within[0][k], within[1][k]);
-            let [u, v] = [e * b / least, e * a / least];
-            bound.added[k] = 0.5 * greatest(norms, [u, v]);
-            bound.slip[k] = (u / room[0]).max(v / room[1]);
-        }
-        bound
-    }
-}
-
-/// The component across a surface where its second derivatives change about linearly, along the sides of a square.
-struct Change {
-    /// The second derivatives in the middle, with how much they are off from this law anywhere.
-    second: [Ball; 3],
-    third: [f64; 4],
-}
-
-impl Change {
-    fn new(place: &Place, local: &Local, turn: &DMat3) -> Self {
-        let size = [0, 1].map(|d| place.uv[d].width() / local.half[d] * ROUND_UP);
-        let z = turn.row(2);
-        let scale = |i: i32, j: i32| size[0].powi(i) * size[1].powi(j);
-        let scales = [scale(2, 0), scale(1, 1), scale(0, 2)];
-        Self {
-            second: [0, 1, 2].map(|k| Ball {
-                mid: scales[k] * z.dot(local.second[k]),
-                rad: scales[k] * z.abs().dot(local.rest[k]),
-            }),
-            third: std::array::from_fn(|k| {
-                scale(3 - k as i32, k as i32) * z.dot(local.third[k]) * ROUND_UP
-            }),
-        }
-    }
-
-    /// The form of second derivatives at a place, in shares of the square from its middle.
-    fn form(&self, [x, y]: [f64; 2]) -> Form {
-        Form([0, 1, 2].map(|k| {
-            let [a, b] = [self.third[k] * x, self.third[k + 1] * y];
-            let Ball { mid, rad } = self.second[k];
-            let rounding = 4.0 * f64::EPSILON * (mid.abs() + a.abs() + b.abs());
-            Ball {
-                mid: mid + a + b,
-                rad: rad + rounding,
-            }
-        }))
-    }
-
-    /// The bound for a part of the square with so large sides and that form in its middle.
-    fn bound(&self, tilted: &Bound, form: &Form, share: f64) -> Bound {
-        // The middles of longest sides are at most half a part away from its middle.
-        let third = self.third.map(f64::abs);
-        let skew = |k: usize| {
-            let part = popoviciu([0.5 * third[k], 0.5 * third[k + 1], 0.5 * third[k + 2]]);
-            part.map(|x| x * share.powi(3))
-        };
-        let [u, v] = [skew(0), skew(1)];
-        let [uuu, uuv, uvv, vvv] = third;
-        let error = form.error();
+        let moved = [0, 1].map(|k| length2(x[k], y[k]) / least);
         Bound {
-            error: [0, 1].map(|k| (tilted.error[k] + error[k]) * share.powi(2)),
-            skew: [0, 1].map(|k| [u[k], v[k]]),
-            cubic: (CUBE * (uuu + vvv) + MIXED * (uuv + uvv)) * share.powi(3),
-            added: tilted.added.map(|x| x * share.powi(4)),
-            slip: tilted.slip.map(|x| x * share.powi(2)),
-            shift: 0.0,
+            error: [0, 1].map(|k| z[k] + mx * x[k] + my * y[k]),
+            ..partners(sized.norms(), [a, b], moved, room(place))
         }
+    }
+
+    /// How far the components of `e` go.
+    pub(super) fn errors(&self) -> [[f64; 2]; 3] {
+        [0, 1, 2].map(|c| self.sized.form(|b| b.to_array()[c]).error())
     }
 }
 
-/// The greatest errors of linear interpolation of x³/6 and of x² y/2 on the triangles, with x = y = 0 in the middle of the
-/// longest side and legs of length 1 or √½: those of x/24 - x³/6 and y (¼ - x²)/2 (`√3/216` and ⅟16).
-const CUBE: f64 = 0.009;
-const MIXED: f64 = 0.0625;
+/// Partners along a normal, `moved` times the other direction's first derivative away along each direction.
+pub(super) fn partners(
+    norms: [f64; 3],
+    [a, b]: [f64; 2],
+    moved: [f64; 2],
+    room: [f64; 2],
+) -> Bound {
+    let away = moved.map(|e| [e * b, e * a]);
+    Bound {
+        added: away.map(|away| 0.5 * greatest(norms, away)),
+        slip: away.map(|[u, v]| (u / room[0]).max(v / room[1])),
+        ..Bound::default()
+    }
+}
+
+/// How far partners may be away along u and v, as shares of the size.
+pub(super) fn room(place: &Place) -> [f64; 2] {
+    [0, 1].map(|d| place.room(d)).map(|[a, b]| a.min(b))
+}
 
 /// Bounds for a square of the quadtree, from an enclosure over its surroundings and what is known about the square itself.
 /// Partners have other parameters only if it is `framed`.
@@ -430,7 +353,7 @@ pub(super) fn greatest([uu, uv, vv]: [f64; 3], [u, v]: [f64; 2]) -> f64 {
 }
 
 /// The derivatives along the sides of the rectangle, in a frame.
-struct Sized {
+pub(super) struct Sized {
     first: [Ball3; 2],
     second: [Ball3; 3],
 }
@@ -449,7 +372,7 @@ impl Sized {
         Form(self.second.map(component))
     }
 
-    fn norms(&self) -> [f64; 3] {
+    pub(super) fn norms(&self) -> [f64; 3] {
         self.second.map(Ball3::length)
     }
 }
@@ -504,10 +427,8 @@ fn fan(place: &Place, tip: &Tip, jet: &[Box3]) -> Bound {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bisection::{Bisection, Square};
     use super::*;
     use crate::laws::Random;
-    use glam::DVec3;
 
     /// The greatest error of interpolation on a triangle, on a grid of points.
     fn off(f: impl Fn([f64; 2]) -> f64, corners: [[f64; 2]; 3], steps: usize) -> f64 {
@@ -567,66 +488,5 @@ mod tests {
             }
         }
         assert!(tight > 400, "{tight} of 600 bounds are nearly reached");
-    }
-
-    /// The greatest error of interpolation on all triangles of a square after some bisections.
-    fn bisected(f: impl Fn([f64; 2]) -> f64, level: u32) -> f64 {
-        let lines = [vec![-0.5, 0.5], vec![-0.5, 0.5]];
-        let mut net = Bisection::new(lines);
-        net.refine(Square::cell([0, 0]), level);
-        let mut worst = 0.0f64;
-        let numbered = net.numbered();
-        numbered.triangles([0, 0], |t| {
-            let corners = t.map(|k| net.uv(numbered.places[k as usize]));
-            worst = worst.max(off(&f, corners, 12));
-        });
-        worst
-    }
-
-    #[test]
-    fn errors_of_cubic_functions_are_bounded_for_all_bisections() {
-        let unit = Interval::new(-0.5, 0.5);
-        let place = Place {
-            uv: [unit; 2],
-            block: [Interval::new(-9.0, 9.0); 2],
-            least: [1.0; 2],
-        };
-        let mut random = Random(23);
-        let mut tight = 0;
-        for round in 0..200 {
-            let mut number = |size: f64| size * (2.0 * random.unit() - 1.0);
-            // Also where the quadratic part is nothing, where one derivative is all, and where the rest counts.
-            let sizes = [[1.0, 1.0], [1.0, 0.2], [0.0, 1.0], [1.0, 6.0]][round % 4];
-            let q = [0; 3].map(|_| number(sizes[0]));
-            let mut c = [0; 4].map(|_| number(sizes[1]));
-            if round % 3 == 0 {
-                c = std::array::from_fn(|k| if k == round % 4 { c[k] } else { 0.0 });
-            }
-            let local = Local {
-                half: [1.0; 2],
-                second: q.map(|q| q * DVec3::Z),
-                third: c.map(|c| c * DVec3::Z),
-                rest: [DVec3::ZERO; 3],
-            };
-            let f = |[x, y]: [f64; 2]| {
-                let quadratic = 0.5 * (q[0] * x * x + 2.0 * q[1] * x * y + q[2] * y * y);
-                let [a, b, c, d] = c;
-                let cubic = a * x * x * x + 3.0 * (b * x * x * y + c * x * y * y) + d * y * y * y;
-                quadratic + cubic / 6.0
-            };
-            let change = Change::new(&place, &local, &DMat3::IDENTITY);
-            let bound = change.bound(&Bound::default(), &change.form([0.0; 2]), 1.0);
-            let found: Vec<f64> = (0..7).map(|level| bisected(f, level)).collect();
-            for level in 0..6 {
-                let bound = bound.deviation(level, 0.0, f64::INFINITY).unwrap();
-                // Further bisections need no other bound.
-                let worst = found[level as usize..]
-                    .iter()
-                    .fold(0.0, |a: f64, &b| a.max(b));
-                assert!(worst <= bound, "{q:?} {c:?} {level}: {worst} > {bound}");
-                tight += usize::from(worst > 0.7 * bound);
-            }
-        }
-        assert!(tight > 400, "{tight} of 1200 bounds are nearly reached");
     }
 }

@@ -179,6 +179,9 @@ impl From<Vec<Box3>> for Enclosed {
 pub(super) struct Local {
     /// The unit of parameters along u and v.
     pub(super) half: [f64; 2],
+    /// `u`, `v`, and how much they may be off.
+    pub(super) first: [DVec3; 2],
+    pub(super) off: [DVec3; 2],
     /// `uu`, `uv`, `vv`.
     pub(super) second: [DVec3; 3],
     /// `uuu`, `uuv`, `uvv`, `vvv`.
@@ -320,6 +323,7 @@ impl Piece {
             unknown[k] += self.rest[k] * far[ORDER - a - b];
             error[k] = unknown[k];
         }
+        let (first, off) = ([mid[1], mid[2]], [unknown[1], unknown[2]]);
         let second = [mid[3], mid[4], mid[5]];
         let mut rest = [unknown[3], unknown[4], unknown[5]];
         for (a, b) in places(2).skip(1) {
@@ -364,6 +368,8 @@ impl Piece {
         }
         let local = Local {
             half: self.half,
+            first,
+            off,
             second,
             third: std::array::from_fn(|k| moved[3 - k][k] * (FACTORIALS[3 - k] * FACTORIALS[k])),
             rest,
@@ -481,6 +487,13 @@ mod tests {
                         }
                         let Some(local) = &found.local else { continue };
                         let [s, t] = [0, 1].map(|d| (at[d] - middle[d]) / local.half[d]);
+                        for (k, first) in local.first.into_iter().enumerate() {
+                            let off = surface.jet(middle, [Limit::Above; 2], 1).d[1 + k]
+                                * local.half[k]
+                                - first;
+                            let rounding = DVec3::splat(1e-12 * size);
+                            assert!(off.abs().cmple(local.off[k] + rounding).all());
+                        }
                         for k in 0..3 {
                             let half =
                                 local.half[0].powi(2 - k as i32) * local.half[1].powi(k as i32);

@@ -78,9 +78,14 @@ impl Grid {
 
     /// The best of those that need hardly more cells than bisection would.
     fn best(surface: &dyn Surface, uv: [Interval; 2], demand: &Demand) -> Option<Self> {
-        let enough = expected(surface, uv, demand.tol).max(demand.least[0] * demand.least[1]);
+        let samples = sampled(surface, [&[uv[0]], &[uv[1]]])[0];
+        let enough = expected(&samples, demand.tol).max(demand.least[0] * demand.least[1]);
         let mut best: Option<Self> = None;
         for parts in PARTS {
+            if fewest(&samples, parts, demand.tol) > enough {
+                // Not worth its enclosures.
+                continue;
+            }
             let most = best.as_ref().map_or(f64::INFINITY, |b| GAIN * b.count());
             let grid = Self::new(surface, uv, parts, demand);
             best = grid.filter(|g| g.count() <= most).or(best);
@@ -246,13 +251,24 @@ fn cut_at_pieces(
         return;
     }
     let each = (pieces[0] * pieces[1] * IN_A_PIECE) as f64;
-    let blocks_of = || blocks[0].iter().flat_map(|&u| blocks[1].iter().map(move |&v| [u, v]));
-    if blocks_of().map(|uv| expected(surface, uv, tol)).sum::<f64>() < each {
+    let blocks_of = || {
+        blocks[0]
+            .iter()
+            .flat_map(|&u| blocks[1].iter().map(move |&v| [u, v]))
+    };
+    if blocks_of()
+        .map(|uv| expected(surface, uv, tol))
+        .sum::<f64>()
+        < each
+    {
         return;
     }
     for d in 0..2 {
         for strip in strips[d].iter_mut() {
-            *strip = strip.iter().flat_map(|&s| at_pieces(breaks[d], s)).collect();
+            *strip = strip
+                .iter()
+                .flat_map(|&s| at_pieces(breaks[d], s))
+                .collect();
         }
     }
 }
@@ -273,9 +289,24 @@ fn at_pieces(breaks: &[Break], range: Interval) -> Vec<Interval> {
     cuts.windows(2).map(|w| Interval::new(w[0], w[1])).collect()
 }
 
+/// The fewest cells of a grid over so many parts of a block: each strip of parts has the cells of its most curved one.
+fn fewest(samples: &Samples, parts: [usize; 2], tol: f64) -> f64 {
+    let across = |d: usize| -> f64 {
+        let strip = |part: usize| {
+            let of = samples.iter().enumerate().filter(|(k, _)| {
+                let at = [k / SAMPLES, k % SAMPLES][d];
+                at * parts[d] / SAMPLES == part
+            });
+            let curved = |s: &Sample| (0.125 * [s.uu, s.vv][d] / tol).sqrt() / parts[d] as f64;
+            of.map(|(_, s)| curved(s)).fold(1.0, f64::max)
+        };
+        (0..parts[d]).map(strip).sum()
+    };
+    across(0) * across(1)
+}
+
 /// About the number of cells that bisection of a block needs.
-fn expected(surface: &dyn Surface, [u, v]: [Interval; 2], tol: f64) -> f64 {
-    let samples = &sampled(surface, [&[u], &[v]])[0];
+fn expected(samples: &Samples, tol: f64) -> f64 {
     let both = mean(samples.iter().map(|s| 0.25 * ((s.uu * s.vv).sqrt() + s.uv))) / tol;
     let one = |f: fn(&Sample) -> f64| mean(samples.iter().map(|s| (0.125 * f(s) / tol).sqrt()));
     // The chords along the sides.
