@@ -251,16 +251,9 @@ fn cut_at_pieces(
         return;
     }
     let each = (pieces[0] * pieces[1] * IN_A_PIECE) as f64;
-    let blocks_of = || {
-        blocks[0]
-            .iter()
-            .flat_map(|&u| blocks[1].iter().map(move |&v| [u, v]))
-    };
-    if blocks_of()
-        .map(|uv| expected(surface, uv, tol))
-        .sum::<f64>()
-        < each
-    {
+    let all = sampled(surface, [&blocks[0], &blocks[1]]);
+    let needed: f64 = all.iter().map(|samples| expected(samples, tol)).sum();
+    if needed < each {
         return;
     }
     for d in 0..2 {
