@@ -500,7 +500,7 @@ impl<'a> Work<'a> {
             None
         };
         if !(enclosed.sharp || coarse || local.is_some()) {
-            enclosed = enclosed.sharpened(self.surface, around);
+            enclosed = self.pieces.sharpened(enclosed, around);
             framed = Framed::new(place, &enclosed.jet);
         }
         let (enclosed, proven) = if enclosed.jet[0].is_finite() {

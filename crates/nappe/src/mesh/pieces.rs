@@ -94,6 +94,24 @@ impl<'a> Pieces<'a> {
         hull.unwrap_or_else(|| Enclosed::direct(self.surface, uv))
     }
 
+    /// Encloses the jet over a rectangle more sharply: what is lost falls with the square of the size.
+    pub(super) fn sharpened(&self, enclosed: Enclosed, uv: [Interval; 2]) -> Enclosed {
+        let halves = uv.map(|t| {
+            let middle = t.mid();
+            [Interval { hi: middle, ..t }, Interval { lo: middle, ..t }]
+        });
+        let quarters = halves[0]
+            .iter()
+            .flat_map(|&u| halves[1].map(|v| self.enclose([u, v]).jet));
+        let hull = quarters.reduce(|a, b| std::array::from_fn(|k| a[k].hull(b[k])));
+        Enclosed {
+            jet: hull.map_or(enclosed.jet, |h| {
+                std::array::from_fn(|k| h[k].meet(enclosed.jet[k]))
+            }),
+            ..enclosed
+        }
+    }
+
     /// What is known about a small rectangle in one piece.
     pub(super) fn local(&self, uv: [Interval; 2]) -> Option<Local> {
         let at = [0, 1].map(|d| {
@@ -145,23 +163,13 @@ pub(super) struct Enclosed {
     pub(super) jet: Jet<Box3>,
     /// If it lies in one piece.
     pub(super) local: Option<Local>,
-    /// True if the surface's own enclosure would not tell more.
+    /// True if enclosures of its parts would hardly tell more.
     pub(super) sharp: bool,
 }
 
 impl Enclosed {
     fn direct(surface: &dyn Surface, uv: [Interval; 2]) -> Self {
         Self::from(surface.enclose(uv, 2))
-    }
-
-    /// With what the surface's own enclosure tells.
-    pub(super) fn sharpened(self, surface: &dyn Surface, uv: [Interval; 2]) -> Self {
-        let direct = Self::direct(surface, uv);
-        Self {
-            jet: std::array::from_fn(|k| direct.jet[k].meet(self.jet[k])),
-            sharp: true,
-            ..self
-        }
     }
 }
 
