@@ -91,46 +91,74 @@ impl Bend {
         let below = reach(-uu.lo * aa, mixed, -vv.lo * bb);
         let across = 0.125 * worst(above, below);
         let within = (self.within[0] * a * a).max(self.within[1] * b * b);
-        ((across + self.slope * within).hypot(within) + self.shift) * ROUND_UP
+        (length(across + self.slope * within, within) + self.shift) * ROUND_UP
     }
 
     /// A grid with few cells that keeps `tol`, at least `least` along each direction; `None` if there is none.
     pub(super) fn cells(&self, tol: f64, least: [f64; 2]) -> Option<[f64; 2]> {
-        let fewest = |keeps: &dyn Fn(f64) -> bool, least: f64| -> Option<f64> {
-            // Doubled until it keeps the tolerance, then bisected.
-            let mut n = least;
-            while !keeps(n) {
-                n *= 2.0;
-                if n > MAX_CELLS {
-                    return None;
-                }
-            }
-            let mut below = if n > least { 0.5 * n } else { return Some(n) };
-            while n - below > 1.0 {
-                let middle = (0.5 * (n + below)).floor();
-                if keeps(middle) {
-                    n = middle;
-                } else {
-                    below = middle;
-                }
-            }
-            Some(n)
-        };
-        let mut m = fewest(&|m| self.deviation(MAX_CELLS, m) <= tol, least[1])?;
-        let mut best: Option<(f64, [f64; 2])> = None;
-        while let Some(n) = fewest(&|n| self.deviation(n, m) <= tol, least[0]) {
+        let mut m = fewest(|m| self.deviation(MAX_CELLS, m) <= tol, least[1])?;
+        let mut n = fewest(|n| self.deviation(n, m) <= tol, least[0])?;
+        let mut best = (f64::INFINITY, [n, m]);
+        loop {
             let shape = (n / (m * self.aspect)).ln().abs();
             let cost = n * m * (1.0 + SHAPE * shape);
-            if best.is_none_or(|(c, _)| cost < c) {
-                best = Some((cost, [n, m]));
+            if cost < best.0 {
+                best = (cost, [n, m]);
             }
             m = (m * STEP).ceil().max(m + 1.0);
-            if n <= least[0] || m > MAX_CELLS {
-                break;
+            if n <= least[0] || m > MAX_CELLS || m * least[0] > best.0 {
+                return Some(best.1);
             }
+            n = fewer(|n| self.deviation(n, m) <= tol, least[0], n);
         }
-        best.map(|(_, cells)| cells)
     }
+}
+
+/// The fewest cells that keep a tolerance, at least `least`; `None` if there are no such.
+fn fewest(keeps: impl Fn(f64) -> bool, least: f64) -> Option<f64> {
+    let mut n = least;
+    while !keeps(n) {
+        n *= 2.0;
+        if n > MAX_CELLS {
+            return None;
+        }
+    }
+    Some(if n > least {
+        between(keeps, 0.5 * n, n)
+    } else {
+        n
+    })
+}
+
+/// The same if `n` keep it, and not many fewer are enough.
+fn fewer(keeps: impl Fn(f64) -> bool, least: f64, mut n: f64) -> f64 {
+    let mut step = 1.0;
+    while n > least {
+        let below = (n - step).max(least);
+        if !keeps(below) {
+            return between(keeps, below, n);
+        }
+        (n, step) = (below, 2.0 * step);
+    }
+    n
+}
+
+/// Bisects between too few cells and enough.
+fn between(keeps: impl Fn(f64) -> bool, mut below: f64, mut n: f64) -> f64 {
+    while n - below > 1.0 {
+        let middle = (0.5 * (n + below)).floor();
+        if keeps(middle) {
+            n = middle;
+        } else {
+            below = middle;
+        }
+    }
+    n
+}
+
+/// Quicker than what avoids overflow, beyond which there is no bound; what is lost below the smallest number is added.
+fn length(x: f64, y: f64) -> f64 {
+    (x * x + y * y + f64::MIN_POSITIVE).sqrt()
 }
 
 /// All numbers whose size is at most x; NaN stays unbounded.

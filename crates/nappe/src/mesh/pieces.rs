@@ -32,6 +32,8 @@ const KEPT: usize = 1 << 15;
 const SHARE: f64 = 1.0 / 64.0;
 /// Likewise for what only the hull of the part itself tells.
 const LOOSE: f64 = 1.0 / 16.0;
+/// A part is taken to be at least this wide, in halves of the piece: powers of its size stay numbers.
+const NARROWEST: f64 = 1e-40;
 /// Rounding errors as a share of the sum of absolute terms: there are at most so many operations between a term and a sum.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
@@ -283,26 +285,32 @@ impl Piece {
         let [Some(u), Some(v)] = [0, 1].map(|d| self.uv[d].intersection(uv[d])) else {
             return;
         };
-        let (enclosed, near) = self.expand([u, v], pieces.tol);
-        if !near {
-            let halves = [0, 1].map(|d| {
-                let (t, middle) = (self.uv[d], self.middle[d]);
-                [Interval { hi: middle, ..t }, Interval { lo: middle, ..t }]
-            });
-            let can_be_halved = |d: usize, part: Interval| {
-                let wide = halves[d].iter().all(|t| t.lo < t.hi);
-                wide && 2.0 * part.width() <= self.uv[d].width()
-            };
-            if can_be_halved(0, u) && can_be_halved(1, v) {
-                let quarters = self
-                    .quarters
-                    .get_or_init(|| pieces.pieces(halves.map(Vec::from)).into());
-                for quarter in quarters {
-                    quarter.join(pieces, [u, v], hull);
-                }
-                return;
-            }
+        // Where it touches the rectangle with a side alone, the piece beside it tells.
+        if [u, v]
+            .iter()
+            .zip(&uv)
+            .any(|(part, uv)| part.is_point() && !uv.is_point())
+        {
+            return;
         }
+        let halves = [0, 1].map(|d| {
+            let (t, middle) = (self.uv[d], self.middle[d]);
+            [Interval { hi: middle, ..t }, Interval { lo: middle, ..t }]
+        });
+        let can_be_halved = |d: usize, part: Interval| {
+            let wide = halves[d].iter().all(|t| t.lo < t.hi);
+            wide && 2.0 * part.width() <= self.uv[d].width()
+        };
+        let can_be_quartered = can_be_halved(0, u) && can_be_halved(1, v);
+        let Some(enclosed) = self.expand([u, v], pieces.tol, !can_be_quartered) else {
+            let quarters = self
+                .quarters
+                .get_or_init(|| pieces.pieces(halves.map(Vec::from)).into());
+            for quarter in quarters {
+                quarter.join(pieces, [u, v], hull);
+            }
+            return;
+        };
         *hull = Some(match hull {
             Some(hull) => Enclosed {
                 jet: std::array::from_fn(|k| hull.jet[k].hull(enclosed.jet[k])),
@@ -313,60 +321,82 @@ impl Piece {
         });
     }
 
-    /// The jet over a part, and whether what is not known of the highest derivatives matters little.
-    fn expand(&self, part: [Interval; 2], tol: f64) -> (Enclosed, bool) {
+    /// The jet over a part; `None` if it should be looked at in a smaller piece, since what is not known of the highest
+    /// derivatives matters, unless that must do.
+    fn expand(&self, part: [Interval; 2], tol: f64, must_do: bool) -> Option<Enclosed> {
         let at = part.map(Interval::mid);
-        let half = [0, 1].map(|d| farthest(part[d], at[d]) / self.half[d] * ROUND_UP);
+        let half = [0, 1].map(|d| {
+            let half = farthest(part[d], at[d]) / self.half[d] * ROUND_UP;
+            half.max(NARROWEST)
+        });
         let away = [0, 1].map(|d| (at[d] - self.middle[d]) / self.half[d]);
         let moved = moved(&self.terms, away);
         let [hu, hv] = half.map(powers);
         let far = [0, 1].map(|d| away[d].abs() + half[d]);
         let far = powers(far[0].max(far[1]) * ROUND_UP);
-        let mut mid = [DVec3::ZERO; jet_len(2)];
-        let mut error = self.noise;
-        let [mut unknown, mut loose] = [self.noise; 2];
-        for (a, b) in places(2) {
-            let k = jet_index(a, b);
-            mid[k] = moved[a][b] * (FACTORIALS[a] * FACTORIALS[b]);
-            unknown[k] += self.rest[k] * far[ORDER - a - b];
-            error[k] = unknown[k];
-        }
-        let (first, off) = ([mid[1], mid[2]], [unknown[1], unknown[2]]);
-        let second = [mid[3], mid[4], mid[5]];
-        let mut rest = [unknown[3], unknown[4], unknown[5]];
-        for (a, b) in places(2).skip(1) {
-            let k = jet_index(a, b);
-            for (i, j) in places(ORDER - a - b).skip(1) {
-                let factor = falling(i + a, a) * falling(j + b, b) * hu[i] * hv[j];
-                let term = moved[i + a][j + b] * factor;
-                if a + b == 2 && i + j > 1 {
-                    rest[b] += term.abs();
-                }
-                if matches!((i, j), (2, 0) | (0, 2)) {
-                    // Half of a square is in the middle.
-                    mid[k] += 0.5 * term;
-                    error[k] += 0.5 * term.abs();
-                } else {
-                    error[k] += term.abs();
-                    if i + j > 1 {
-                        loose[k] += term.abs();
-                    }
-                }
-            }
-        }
-        let sizes = |jet: &[DVec3]| {
+        let sizes = |jet: &Jet<DVec3>| {
             let x = |k: usize| jet[k].length();
             let second = greatest([x(3), x(4), x(5)], half);
             [x(1) * half[0] + x(2) * half[1], second]
         };
-        let [known, unknown, loose] = [&mid, &unknown, &loose].map(|jet| sizes(jet));
-        let near = unknown[0] <= SHARE * known[0] && unknown[1] <= SHARE * known[1].max(tol);
+        let mut unknown = self.noise;
+        let mut mid = [DVec3::ZERO; jet_len(2)];
+        for (k, (a, b)) in SECOND.into_iter().enumerate() {
+            unknown[k] += self.rest[k] * far[ORDER - a - b];
+            mid[k] = moved[a][b] * (FACTORIALS[a] * FACTORIALS[b]);
+        }
+        let (first, off) = ([mid[1], mid[2]], [unknown[1], unknown[2]]);
+        let second = [mid[3], mid[4], mid[5]];
+        // Half of a square is in the middle.
+        let squares = SECOND.map(|(a, b)| {
+            let (u, v) = (falling(a + 2, 2) * hu[2], falling(b + 2, 2) * hv[2]);
+            let factor = FACTORIALS[a] * FACTORIALS[b];
+            [
+                moved[a + 2][b] * (factor * u),
+                moved[a][b + 2] * (factor * v),
+            ]
+        });
+        for (mid, [u, v]) in mid.iter_mut().zip(squares) {
+            *mid += 0.5 * (u + v);
+        }
+        let (known, lost) = (sizes(&mid), sizes(&unknown));
+        let near = lost[0] <= SHARE * known[0] && lost[1] <= SHARE * known[1].max(tol);
+        if !(near || must_do) {
+            return None;
+        }
+        // What the terms of higher order amount to in each derivative, but for squares.
+        let mut higher = [[0.0; jet_len(2)]; 3];
+        for (&(i, j), factors) in ALL.iter().zip(&HIGHER) {
+            let size = (moved[i][j].abs() * (hu[i] * hv[j])).to_array();
+            for (sums, size) in higher.iter_mut().zip(size) {
+                for (sum, factor) in sums.iter_mut().zip(factors) {
+                    *sum += factor * size;
+                }
+            }
+        }
+        let (mut error, mut loose) = (unknown, unknown);
+        let mut rest = [DVec3::ZERO; 3];
+        for (k, (a, b)) in SECOND.into_iter().enumerate() {
+            let share = ROUND_UP / (hu[a] * hv[b]);
+            let other = DVec3::from_array(higher.map(|sums| sums[k])) * share;
+            let [u, v] = squares[k];
+            let squares = u.abs() + v.abs();
+            let factor = FACTORIALS[a] * FACTORIALS[b];
+            let linear = moved[a + 1][b].abs() * ((a + 1) as f64 * hu[1])
+                + moved[a][b + 1].abs() * ((b + 1) as f64 * hv[1]);
+            error[k] += linear * factor + 0.5 * squares + other;
+            loose[k] += other;
+            if k >= 3 {
+                rest[k - 3] = unknown[k] + squares + other;
+            }
+        }
+        let loose = sizes(&loose);
         let sharp = near && loose[0] + loose[1] <= LOOSE * known[1].max(tol);
         error[0] += (mid[1].abs() + error[1]) * half[0] + (mid[2].abs() + error[2]) * half[1];
+        let (su, sv) = (powers(self.half[0]), powers(self.half[1]));
         let mut jet = self.over;
-        for (a, b) in places(2) {
-            let k = jet_index(a, b);
-            let size = self.half[0].powi(a as i32) * self.half[1].powi(b as i32);
+        for (k, (a, b)) in SECOND.into_iter().enumerate() {
+            let size = su[a] * sv[b];
             let (mid, error) = ((mid[k] / size).to_array(), error[k] * (ROUND_UP / size));
             let ends = [0, 1, 2].map(|c| {
                 let error = error[c] + mid[c].abs() * ROUNDING;
@@ -382,8 +412,11 @@ impl Piece {
             third: std::array::from_fn(|k| moved[3 - k][k] * (FACTORIALS[3 - k] * FACTORIALS[k])),
             rest,
         };
-        let local = near.then_some(local);
-        (Enclosed { jet, local, sharp }, near)
+        Some(Enclosed {
+            jet,
+            local: near.then_some(local),
+            sharp,
+        })
     }
 }
 
@@ -430,9 +463,47 @@ fn powers(x: f64) -> [f64; ORDER + 1] {
 const FACTORIALS: [f64; ORDER + 1] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0];
 
 /// `i! / (i - a)!`: what the a-th derivative makes of the term of order i.
-fn falling(i: usize, a: usize) -> f64 {
+const fn falling(i: usize, a: usize) -> f64 {
     FACTORIALS[i] / FACTORIALS[i - a]
 }
+
+/// The places of a jet of order 2, by [`jet_index`].
+const SECOND: [(usize, usize); jet_len(2)] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)];
+/// The number of terms of a polynomial.
+const TERMS: usize = jet_len(ORDER);
+/// The places of all terms.
+const ALL: [(usize, usize); TERMS] = {
+    let mut all = [(0, 0); TERMS];
+    let (mut i, mut n) = (0, 0);
+    while i <= ORDER {
+        let mut j = 0;
+        while j <= ORDER - i {
+            all[n] = (i, j);
+            (j, n) = (j + 1, n + 1);
+        }
+        i += 1;
+    }
+    all
+};
+/// For each term, its factors in the expansions of all derivatives, where it is of second or higher order and no square.
+const HIGHER: [[f64; jet_len(2)]; TERMS] = {
+    let mut out = [[0.0; jet_len(2)]; TERMS];
+    let mut k = 0;
+    while k < SECOND.len() {
+        let (a, b) = SECOND[k];
+        let mut n = 0;
+        while n < TERMS {
+            let (i, j) = ALL[n];
+            if i >= a && j >= b && i + j >= a + b + 2 && !matches!((i - a, j - b), (2, 0) | (0, 2))
+            {
+                out[n][k] = falling(i, a) * falling(j, b);
+            }
+            n += 1;
+        }
+        k += 1;
+    }
+    out
+};
 
 #[cfg(test)]
 mod tests {
