@@ -33,19 +33,28 @@ pub(crate) fn best(runs: usize, n: usize, mut f: impl FnMut()) -> f64 {
     best_of(runs, || [time(&mut f)])[0] * 1e9 / n as f64
 }
 
-/// The same for what fills `out`, `each` places an item, and for filling it with one number: the limit of what stores
-/// its result. Both write to the same memory, in turns, so that pages and caches are the same for both.
+/// The best times of a task that fills `part` places, and of filling these with one number: the limit of what stores its
+/// result. Both walk through all of `ring`, part by part, and take turns; times are for each of the `items` of a part. A
+/// ring of one part is written where the last run left it in the caches; one that is larger than these, in memory.
 pub(crate) fn beside_writing<T: Pod>(
     runs: usize,
-    out: &mut [T],
-    each: usize,
-    mut f: impl FnMut(&mut [T]),
+    ring: &mut [T],
+    part: usize,
+    items: usize,
+    mut task: impl FnMut(&mut [T]),
 ) -> [f64; 2] {
-    let n = (out.len() / each) as f64;
+    let all = ring.len() / part * items;
     let times = best_of(runs, || {
-        let ours = time(|| f(black_box(out)));
-        let numbers = cast_slice_mut::<T, u64>(black_box(out));
-        [ours, time(|| numbers.fill(black_box(1)))]
+        let ours = time(|| {
+            black_box(&mut *ring)
+                .chunks_exact_mut(part)
+                .for_each(&mut task)
+        });
+        let fill = |part: &mut [T]| cast_slice_mut::<T, u64>(part).fill(black_box(1));
+        [
+            ours,
+            time(|| black_box(&mut *ring).chunks_exact_mut(part).for_each(fill)),
+        ]
     });
-    times.map(|t| t * 1e9 / n)
+    times.map(|t| t * 1e9 / all as f64)
 }

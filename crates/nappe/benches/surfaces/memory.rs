@@ -1,4 +1,4 @@
-//! Memory of this process, where the system tells it; elsewhere not a number.
+//! Memory of this process, where the system tells it; elsewhere not a number. The size of the caches.
 
 use std::fs;
 
@@ -22,4 +22,19 @@ pub(crate) fn now() -> f64 {
 /// The most that was in use since the start of the process.
 pub(crate) fn peak() -> f64 {
     status("VmHWM")
+}
+
+/// The size of the last-level cache in bytes, where the system tells it.
+pub(crate) fn last_cache() -> Option<usize> {
+    let size = |index: usize| {
+        let file = format!("/sys/devices/system/cpu/cpu0/cache/index{index}/size");
+        let kilobytes: usize = fs::read_to_string(file)
+            .ok()?
+            .trim()
+            .strip_suffix('K')?
+            .parse()
+            .ok()?;
+        Some(kilobytes << 10)
+    };
+    (0..).map_while(size).max()
 }

@@ -14,17 +14,20 @@ const HEAD: &str = "\
 
 <!-- Written by `cargo xtask bench --page`; change crates/nappe/benches/surfaces/page.rs instead. -->
 
-Each row is the best of several runs, one core unless said, results written to memory that is already mapped. *Limit* is
-the time to fill the same memory with one number, measured in turns with the task: nothing that stores its answer can be
-faster. *Plain* is a loop over single points (in rows of two threads: one thread). Other libraries stand beside the tasks they have a call for, in
+Each row is the best of several runs, one core unless said, results written to places that are already mapped. *Limit* is
+the time to fill the same places with one number, measured in turns with the task: nothing that stores its answer can be
+faster. Where there is a limit, the times are for results that go to memory: each run writes to another place, and all
+places together are several times larger than the last-level cache. *In cache* is the time if each run writes to the same
+place and the cache holds it; then *× limit in cache* compares it with filling that place. *Plain* is a loop over single points (in rows of two threads: one thread). Other libraries stand beside the tasks they have a call for, in
 their fastest public call; they are those of `bench/peers.py` that were installed. Compare ratios, not times.
 ";
 
 const BOUNDS: &str = "
 ## What bounds each row
 
-* **T1, T4, grid**: writing, and one short sum of products a point, eight columns at a time with AVX-512, four with AVX2;
-  with AVX2 and for rational surfaces the sums and divisions cost more than writing to the last-level cache. The sides
+* **T1, T4, grid**: writing, and one short sum of products a point, eight columns at a time with AVX-512, four with AVX2.
+  Results that go to memory wait for it; while the last-level cache takes them, the sums, and the divisions of rational
+  surfaces, cost about as much as writing or, with AVX2, more. The sides
   are evaluated n + m times by the exact formulas, eight parameters at a time, which counts for small grids and for kinds
   made of curves: a side that takes half a microsecond a point costs half a nanosecond a point of a grid of 1000 × 1000.
 * **T2, normal**: the arithmetic: two tangents, a cross product, a square root and a division a point.
@@ -66,13 +69,15 @@ fn cells(row: &Row) -> String {
         .map(|(name, ns)| format!("{name} {} ({}×)", number(*ns), number(ns / row.ns)))
         .collect();
     format!(
-        "| {} | {} | {} | {} | {} | {} | {} | {} |\n",
+        "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n",
         row.task,
         row.kind,
         row.n,
         number(row.ns),
         or_none(row.limit),
-        or_none(row.limit.map(|l| row.ns / l)),
+        or_none(row.ratio()),
+        or_none(row.cached.map(|c| c[0])),
+        or_none(row.ratio_in_cache()),
         or_none(row.plain),
         peers.join(", ")
     )
@@ -84,8 +89,8 @@ pub(crate) fn write(rows: &[Row], plots: &[Plot]) {
     write!(
         page,
         "\nMachine: {}. Command: `cargo xtask bench --page`.\n\n\
-         | task | kind | n | ns an item | limit | × limit | plain | others, ns (times ours) |\n\
-         |---|---|--:|--:|--:|--:|--:|---|\n",
+         | task | kind | n | ns an item | limit | × limit in memory | in cache | × limit in cache | plain | others, ns (times ours) |\n\
+         |---|---|--:|--:|--:|--:|--:|--:|--:|---|\n",
         machine()
     )
     .unwrap();

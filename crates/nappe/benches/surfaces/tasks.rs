@@ -2,11 +2,13 @@
 
 use crate::cases;
 use crate::clock::{beside_writing, best};
+use crate::memory::last_cache;
 use nappe::exact::NurbsSurface;
 use nappe::laws::Random;
 use nappe::mesh::{self, MeshOptions};
 use nappe::surface::{SurfaceRef, in_parallel, jet_len};
 use nappe::{DVec3, Interval};
+use pulp::bytemuck::Pod;
 use serde_json::{Value, json};
 use std::hint::black_box;
 use std::sync::Arc;
@@ -18,9 +20,12 @@ pub(crate) struct Row {
     pub(crate) task: &'static str,
     pub(crate) kind: String,
     pub(crate) n: usize,
+    /// Of results that go to memory, where there is a limit.
     pub(crate) ns: f64,
-    /// The time to write the result.
+    /// The time to write the same to memory.
     pub(crate) limit: Option<f64>,
+    /// Both for results that stay in the last-level cache, if it holds them.
+    pub(crate) cached: Option<[f64; 2]>,
     /// The time of a loop over single points.
     pub(crate) plain: Option<f64>,
     pub(crate) peers: Vec<(String, f64)>,
@@ -34,7 +39,18 @@ impl Row {
             .map(|(name, ns)| (name.clone(), json!(ns)))
             .collect();
         json!({"task": self.task, "kind": self.kind, "n": self.n, "ns_per_item": self.ns, "limit_ns": self.limit,
-            "ratio_to_limit": self.limit.map(|l| self.ns / l), "plain_ns": self.plain, "peers": peers})
+            "ratio_to_limit": self.ratio(), "ns_in_cache": self.cached.map(|c| c[0]), "ratio_in_cache": self.ratio_in_cache(),
+            "plain_ns": self.plain, "peers": peers})
+    }
+
+    /// How often the time to write the result to memory goes into the task that does.
+    pub(crate) fn ratio(&self) -> Option<f64> {
+        self.limit.map(|l| self.ns / l)
+    }
+
+    /// The same in the last-level cache.
+    pub(crate) fn ratio_in_cache(&self) -> Option<f64> {
+        self.cached.map(|[ns, limit]| ns / limit)
     }
 }
 
@@ -138,15 +154,37 @@ fn row(task: &'static str, kind: &str, n: usize, ns: f64) -> Row {
         n,
         ns,
         limit: None,
+        cached: None,
         plain: None,
         peers: Vec::new(),
     }
 }
 
-/// A row from its time and that of writing its result.
-fn row_beside(task: &'static str, kind: &str, n: usize, [ns, limit]: [f64; 2]) -> Row {
+/// Results are written in turns to places that are together this large, and four times as large as the last-level cache:
+/// so each goes to memory.
+const MEMORY: usize = 256 << 20;
+/// But never to more than this.
+const MOST: usize = 900 << 20;
+/// The last-level cache where the system does not tell it.
+const CACHE: usize = 32 << 20;
+
+/// A row for a task that writes `n` items of `each` places, beside the time to write these.
+fn row_beside<T: Pod>(
+    task: &'static str,
+    kind: &str,
+    [n, each]: [usize; 2],
+    runs: usize,
+    mut f: impl FnMut(&mut [T]),
+) -> Row {
+    let (part, cache) = (n * each, last_cache().unwrap_or(CACHE));
+    let bytes = part * size_of::<T>();
+    let parts = MEMORY.max(4 * cache).min(MOST).div_ceil(bytes);
+    let mut ring = vec![T::zeroed(); parts * part];
+    let [ns, limit] = beside_writing(runs, &mut ring, part, n, &mut f);
+    let cached = (bytes <= cache).then(|| beside_writing(runs, &mut ring[..part], part, n, &mut f));
     Row {
         limit: Some(limit),
+        cached,
         ..row(task, kind, n, ns)
     }
 }
@@ -163,34 +201,33 @@ fn plain(surface: &SurfaceRef, uv: &[[f64; 2]]) -> f64 {
 
 fn grid(task: &'static str, kind: &str, surface: &SurfaceRef, size: &Size) -> Row {
     let [u, v] = surface.domain().map(|d| even(d, size.side));
-    let mut out = vec![DVec3::ZERO; u.len() * v.len()];
-    let times = beside_writing(size.runs, &mut out, 1, |out| surface.grid(&u, &v, out));
     let plain = Some(plain(surface, &scattered(surface, 2000)));
+    let n = u.len() * v.len();
     Row {
         plain,
-        ..row_beside(task, kind, out.len(), times)
+        ..row_beside(task, kind, [n, 1], size.runs, |out| {
+            surface.grid(&u, &v, out);
+        })
     }
 }
 
 fn normals(task: &'static str, kind: &str, surface: &SurfaceRef, size: &Size) -> Row {
     let [u, v] = surface.domain().map(|d| even(d, size.side));
-    let mut out = vec![[DVec3::ZERO; 2]; u.len() * v.len()];
-    let times = beside_writing(size.runs, &mut out, 1, |out| {
+    let n = u.len() * v.len();
+    row_beside(task, kind, [n, 1], size.runs, |out| {
         surface.grid_normals(&u, &v, out);
-    });
-    row_beside(task, kind, out.len(), times)
+    })
 }
 
 fn list(task: &'static str, kind: &str, surface: &SurfaceRef, order: usize, size: &Size) -> Row {
     let uv = scattered(surface, size.list);
-    let mut out = vec![DVec3::ZERO; uv.len() * jet_len(order)];
-    let times = beside_writing(size.runs, &mut out, jet_len(order), |out| {
-        surface.jets(&uv, order, out);
-    });
     let plain = (order == 0).then(|| plain(surface, &uv));
+    let shape = [uv.len(), jet_len(order)];
     Row {
         plain,
-        ..row_beside(task, kind, uv.len(), times)
+        ..row_beside(task, kind, shape, size.runs, |out| {
+            surface.jets(&uv, order, out);
+        })
     }
 }
 

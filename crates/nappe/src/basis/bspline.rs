@@ -209,6 +209,7 @@ impl BSplineBasis {
     }
 
     /// The index of the knot at the start of the span that holds `t`.
+    #[inline(always)]
     pub fn span(&self, t: f64, limit: Limit) -> usize {
         let breaks = &self.breaks;
         // With equal pieces the first guess is right.
@@ -230,69 +231,22 @@ impl BSplineBasis {
     /// Values and derivatives of the active functions in a span, for all kinds of numbers alike.
     ///
     /// `near` are the knots that the functions touch, but for the outermost two.
-    fn eval<S: Number>(&self, near: &[S], t: S, order: usize, out: &mut [S]) {
-        // With the degree known the compiler takes all loops apart and keeps everything in registers.
-        match self.degree {
-            2 => self.eval_of(2, near, t, order, &mut [S::ONE; 3], out),
-            3 => self.eval_of(3, near, t, order, &mut [S::ONE; 6], out),
-            p => {
-                let (mut stack, mut heap) = ([S::ONE; 21], Vec::new());
-                let rows = room(&mut stack, &mut heap, p * (p + 1) / 2, S::ONE);
-                self.eval_of(p, near, t, order, rows, out);
-            }
-        }
-    }
-
-    /// The same; `rows` is room for `p (p+1)/2` numbers that are 1.
     #[inline(always)]
-    fn eval_of<S: Number>(
-        &self,
-        p: usize,
-        near: &[S],
-        t: S,
-        order: usize,
-        rows: &mut [S],
-        out: &mut [S],
-    ) {
-        // The r-th function of degree q is positive from knot p - 1 - q + r of those near to knot p + r.
-        let near = &near[..2 * p];
-        let support = |q: usize, r: usize| [near[p - 1 - q + r], near[p + r]];
-        // N_{span-q} … N_span of degree q < p, one row after the other: row q starts at q (q+1)/2.
-        let row = |q: usize| q * (q + 1) / 2;
-        for q in 0..p {
-            let (below, above) = rows.split_at_mut(row(q + 1));
-            let below = &below[row(q)..];
-            let above = if q + 1 < p { above } else { &mut *out };
-            // Each function is divided between two of the next degree, each share by its own quotient: one less the other
-            // would lose the digits of small shares, which large weights would show.
-            let mut rising = S::ZERO;
-            for r in 0..=q {
-                let [lo, hi] = support(q, r);
-                let width = hi - lo;
-                above[r] = rising + (hi - t) / width * below[r];
-                rising = (t - lo) / width * below[r];
-            }
-            above[q + 1] = rising;
-        }
-        for d in 1..=order {
-            let o = &mut out[d * (p + 1)..][..p + 1];
-            if d > p {
-                o.fill(S::ZERO);
-                continue;
-            }
-            // N'_{i,q} = q (N_{i,q-1}/(k_{i+q} - k_i) - N_{i+1,q-1}/(k_{i+q+1} - k_{i+1})), applied d times.
-            for q in p - d..p {
-                let factor = S::from((q + 1) as f64);
-                let mut rising = S::ZERO;
-                for r in 0..=q {
-                    let below = if q == p - d { rows[row(q) + r] } else { o[r] };
-                    let [lo, hi] = support(q, r);
-                    let slope = below * factor / (hi - lo);
-                    o[r] = rising - slope;
-                    rising = slope;
-                }
-                o[q + 1] = rising;
-            }
+    fn eval<S: Number>(&self, near: &[S], t: S, order: usize, out: &mut [S]) {
+        // With degree and order known the compiler takes all loops apart and keeps everything in registers.
+        let (one, share) = (S::ONE, [S::ONE; 2]);
+        let (three, six) = (
+            (&mut [one; 3], &mut [share; 2]),
+            (&mut [one; 6], &mut [share; 3]),
+        );
+        match [self.degree, order] {
+            [2, 0] => eval(2, near, t, 0, three.0, three.1, out),
+            [2, 1] => eval(2, near, t, 1, three.0, three.1, out),
+            [2, 2] => eval(2, near, t, 2, three.0, three.1, out),
+            [3, 0] => eval(3, near, t, 0, six.0, six.1, out),
+            [3, 1] => eval(3, near, t, 1, six.0, six.1, out),
+            [3, 2] => eval(3, near, t, 2, six.0, six.1, out),
+            [p, _] => eval_any(p, near, t, order, out),
         }
     }
 
@@ -345,6 +299,74 @@ impl BSplineBasis {
     }
 }
 
+/// [`BSplineBasis::eval`] for degree p. There is room for `p (p+1)/2` numbers, which are 1, and for p shares.
+#[inline(always)]
+fn eval<S: Number>(
+    p: usize,
+    near: &[S],
+    t: S,
+    order: usize,
+    rows: &mut [S],
+    shares: &mut [[S; 2]],
+    out: &mut [S],
+) {
+    // The r-th function of degree q is positive from knot p - 1 - q + r of those near to knot p + r.
+    let near = &near[..2 * p];
+    let support = |q: usize, r: usize| [near[p - 1 - q + r], near[p + r]];
+    // N_{span-q} … N_span of degree q < p, one row after the other: row q starts at q (q+1)/2.
+    let row = |q: usize| q * (q + 1) / 2;
+    let (values, derivatives) = out.split_at_mut(p + 1);
+    for q in 0..p {
+        // Each function is divided between two of the next degree, each share by its own quotient: one less the other
+        // would lose the digits of small shares, which large weights would show. The quotients come first, since none
+        // waits for another and so two or more are one instruction.
+        for (r, share) in shares[..=q].iter_mut().enumerate() {
+            let [lo, hi] = support(q, r);
+            let width = hi - lo;
+            *share = [(hi - t) / width, (t - lo) / width];
+        }
+        let (below, above) = rows.split_at_mut(row(q + 1));
+        let below = &below[row(q)..];
+        let above = if q + 1 < p { above } else { &mut *values };
+        let mut rising = S::ZERO;
+        for r in 0..=q {
+            above[r] = rising + shares[r][0] * below[r];
+            rising = shares[r][1] * below[r];
+        }
+        above[q + 1] = rising;
+    }
+    for d in 1..=order {
+        let o = &mut derivatives[(d - 1) * (p + 1)..][..p + 1];
+        if d > p {
+            o.fill(S::ZERO);
+            continue;
+        }
+        // N'_{i,q} = q (N_{i,q-1}/(k_{i+q} - k_i) - N_{i+1,q-1}/(k_{i+q+1} - k_{i+1})), applied d times.
+        for q in p - d..p {
+            let factor = S::from((q + 1) as f64);
+            let mut rising = S::ZERO;
+            for r in 0..=q {
+                let below = if q == p - d { rows[row(q) + r] } else { o[r] };
+                let [lo, hi] = support(q, r);
+                let slope = below * factor / (hi - lo);
+                o[r] = rising - slope;
+                rising = slope;
+            }
+            o[q + 1] = rising;
+        }
+    }
+}
+
+/// The same for any degree.
+#[inline(never)]
+fn eval_any<S: Number>(p: usize, near: &[S], t: S, order: usize, out: &mut [S]) {
+    let (mut rows, mut more_rows) = ([S::ONE; 21], Vec::new());
+    let (mut shares, mut more_shares) = ([[S::ONE; 2]; 6], Vec::new());
+    let rows = room(&mut rows, &mut more_rows, p * (p + 1) / 2, S::ONE);
+    let shares = room(&mut shares, &mut more_shares, p, [S::ONE; 2]);
+    eval(p, near, t, order, rows, shares, out);
+}
+
 impl Functions for BSplineBasis {
     fn count(&self) -> usize {
         self.knots.len() - self.degree - 1
@@ -371,16 +393,11 @@ impl Functions for BSplineBasis {
         self.pack_in(t.0.map(|t| self.span(t, limit)), t, order, out);
     }
 
-    fn active_jet(
-        &self,
-        t: f64,
-        limit: Limit,
-        order: usize,
-        out: &mut SmallVec<[f64; 32]>,
-    ) -> Range<usize> {
+    fn active_jet(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) -> Range<usize> {
         let span = self.span(t, limit);
-        out.resize((order + 1) * (self.degree + 1), 0.0);
-        self.eval(self.near(span), t, order, out);
+        if let Some(out) = out.get_mut(..(order + 1) * (self.degree + 1)) {
+            self.eval(self.near(span), t, order, out);
+        }
         span - self.degree..span + 1
     }
 

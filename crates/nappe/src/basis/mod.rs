@@ -44,17 +44,13 @@ pub trait Functions: Debug + Send + Sync {
         t.each_lane(out, |t, out| self.jet_into(t, limit, order, out));
     }
 
-    /// The active functions at `t`, with their derivatives 0 to `order` in `out`, which gets the length they need.
-    fn active_jet(
-        &self,
-        t: f64,
-        limit: Limit,
-        order: usize,
-        out: &mut SmallVec<[f64; 32]>,
-    ) -> Range<usize> {
+    /// The active functions at `t`, with their derivatives 0 to `order` in the first places of `out`, if these are enough;
+    /// otherwise `out` keeps what it holds.
+    fn active_jet(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) -> Range<usize> {
         let active = self.active(t, limit);
-        out.resize((order + 1) * active.len(), 0.0);
-        self.jet_into(t, limit, order, out);
+        if let Some(out) = out.get_mut(..(order + 1) * active.len()) {
+            self.jet_into(t, limit, order, out);
+        }
         active
     }
 
@@ -287,6 +283,25 @@ pub use table::Table;
 pub(crate) use table::{Powers, TABLE_ORDER};
 pub use trigonometric::{Trigonometric, TrigonometricError};
 pub use turn::Turn;
+
+/// The active functions at `t` and their derivatives 0 to `order`: on the stack if it is enough, else on the heap.
+#[inline(always)]
+pub(crate) fn jet_of<'a>(
+    functions: &dyn Functions,
+    (t, limit): (f64, Limit),
+    order: usize,
+    stack: &'a mut [f64],
+    heap: &'a mut Vec<f64>,
+) -> (Range<usize>, &'a [f64]) {
+    let active = functions.active_jet(t, limit, order, stack);
+    let n = (order + 1) * active.len();
+    if n <= stack.len() {
+        return (active, &stack[..n]);
+    }
+    heap.resize(n, 0.0);
+    functions.jet_into(t, limit, order, heap);
+    (active, heap)
+}
 
 /// Room for `n` items of `zero`: on the stack if it is enough, else on the heap.
 #[inline(always)]

@@ -1,7 +1,7 @@
 //! NURBS curves.
 
 use super::PiecewiseRational;
-use crate::basis::{BSplineBasis, Functions, KnotError};
+use crate::basis::{BSplineBasis, Functions, KnotError, jet_of};
 use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::curve::{Curve, quotient_rule};
@@ -317,11 +317,12 @@ impl Curve for NurbsCurve {
     }
 
     fn jet_into(&self, t: f64, limit: Limit, out: &mut [DVec3]) {
-        let mut basis = SmallVec::new();
-        let range = self.basis.active_jet(t, limit, out.len() - 1, &mut basis);
-        let points = &self.local[range];
+        let (mut stack, mut heap) = ([0.0; 16], Vec::new());
+        let order = out.len() - 1;
+        let (active, basis) = jet_of(&self.basis, (t, limit), order, &mut stack, &mut heap);
+        let points = &self.local[active];
         let point = |i: usize| points[i].to_array();
-        self.eval(&basis, points.len(), point, cast_slice_mut(out));
+        self.eval(basis, points.len(), point, cast_slice_mut(out));
         out[0] += self.origin;
     }
 

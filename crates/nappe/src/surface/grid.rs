@@ -725,7 +725,7 @@ mod tests {
     use crate::basis::{BSplineBasis, FunctionsRef};
     use crate::exact::NurbsSurface;
     use crate::laws::Random;
-    use crate::surface::{Term, Torus, TorusOptions};
+    use crate::surface::{Term, Torus, TorusOptions, jet_len, pairs};
     use std::sync::Arc;
 
     const COUNTS: [usize; 2] = [6, 7];
@@ -765,6 +765,40 @@ mod tests {
 
     fn bits(x: &[DVec3]) -> Vec<[u64; 3]> {
         x.iter().map(|x| x.to_array().map(f64::to_bits)).collect()
+    }
+
+    /// Low degrees have code of their own, and single points of high ones need more room.
+    #[test]
+    fn nets_of_all_degrees_give_the_bits_of_single_points() {
+        for degrees in [
+            [1, 1],
+            [2, 2],
+            [3, 3],
+            [2, 3],
+            [7, 7],
+            [3, 9],
+            [9, 8],
+            [25, 1],
+        ] {
+            let counts = degrees.map(|d| d + 3);
+            let knots = [0, 1].map(|k| BSplineBasis::clamped_uniform(degrees[k], counts[k]));
+            let mut random = Random(4);
+            let n = counts[0] * counts[1];
+            let points: Vec<DVec3> = (0..n).map(|_| DVec3::splat(random.unit())).collect();
+            let weights: Vec<f64> = (0..n).map(|_| 0.5 + random.unit()).collect();
+            let surface = NurbsSurface::new(degrees, knots, &points, Some(&weights)).unwrap();
+            let t: Vec<f64> = (0..11).map(|_| random.unit()).collect();
+            for order in 0..=3 {
+                let each = jet_len(order);
+                let mut grid = vec![DVec3::ZERO; each * t.len() * t.len()];
+                surface.grid_jets(&t, &t, order, &mut grid);
+                let mut single = grid.clone();
+                for (jet, uv) in single.chunks_exact_mut(each).zip(pairs(&t, &t)) {
+                    surface.jet_into(uv, [Limit::Above; 2], order, jet);
+                }
+                assert_eq!(bits(&grid), bits(&single), "{degrees:?} {order}");
+            }
+        }
     }
 
     /// Nets and sparse cores, rational and not, at knots, beside them, and in pieces with fewer columns than lanes.

@@ -6,7 +6,7 @@
 use super::list::Prepared;
 use super::quotient::quotient;
 use super::{Dir, Surface, check_length, grid, jet_index, jet_len, list, pairs};
-use crate::basis::{FunctionsRef, TABLE_ORDER, room};
+use crate::basis::{FunctionsRef, TABLE_ORDER, jet_of, room};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit, Part};
 use crate::exact::NurbsSurface;
@@ -53,6 +53,8 @@ pub struct Separable {
     core: Core,
     origin: DVec3,
     rational: bool,
+    /// The number of functions of v.
+    columns: usize,
     /// What lists need, prepared when the first list comes.
     prepared: Arc<OnceLock<Prepared>>,
 }
@@ -92,12 +94,14 @@ impl Separable {
                 )
             }
         }
+        let columns = v.count();
         Self {
             u,
             v,
             core,
             origin,
             rational,
+            columns,
             prepared: Arc::default(),
         }
     }
@@ -182,7 +186,7 @@ impl Separable {
         match &self.core {
             Core::Net(net) => {
                 let at = |i: usize, j: usize| {
-                    lift(net[(range_u.start + i) * self.v.count() + range_v.start + j])
+                    lift(net[(range_u.start + i) * self.columns + range_v.start + j])
                 };
                 if centre {
                     for j in 0..nb {
@@ -195,7 +199,7 @@ impl Separable {
                     return;
                 }
                 for (i, row) in net
-                    .chunks_exact(self.v.count())
+                    .chunks_exact(self.columns)
                     .skip(range_u.start)
                     .take(na)
                     .enumerate()
@@ -251,22 +255,45 @@ impl Separable {
         }
     }
 
-    /// The derivatives up to `ROWS - 1` from those of the active functions, for a net: the operations of a grid in the
-    /// same order.
-    #[inline(always)]
-    fn net_jet<const ROWS: usize, const JET: usize>(
+    /// The derivatives up to `ROWS - 1` for a net: the operations of a grid in the same order. Up to `ROOM` values of a
+    /// side need no allocation.
+    fn net_jet<const ROWS: usize, const JET: usize, const ROOM: usize>(
         &self,
         net: &[DVec4],
-        jets: [&[f64]; 2],
-        active: [Range<usize>; 2],
+        [u, v]: [f64; 2],
+        limit: [Limit; 2],
         out: &mut [DVec3],
     ) {
+        let (mut a, mut b) = ([0.0; ROOM], [0.0; ROOM]);
+        let active = [
+            self.u.active_jet(u, limit[0], ROWS - 1, &mut a),
+            self.v.active_jet(v, limit[1], ROWS - 1, &mut b),
+        ];
         // With the numbers of functions known the compiler takes all loops apart.
         match [active[0].len(), active[1].len()] {
-            [3, 3] => self.net_jet_of::<3, ROWS, JET>(net, jets, active, out),
-            [4, 4] => self.net_jet_of::<4, ROWS, JET>(net, jets, active, out),
-            _ => self.net_jet_of::<0, ROWS, JET>(net, jets, active, out),
+            [3, 3] => self.net_jet_of::<3, ROWS, JET>(net, [&a, &b], active, out),
+            [4, 4] => self.net_jet_of::<4, ROWS, JET>(net, [&a, &b], active, out),
+            [nu, nv] if ROWS * nu.max(nv) <= ROOM => {
+                self.net_jet_of::<0, ROWS, JET>(net, [&a, &b], active, out);
+            }
+            _ => self.long_net_jet::<ROWS, JET>(net, [u, v], limit, out),
         }
+    }
+
+    /// The same for any number of active functions.
+    #[cold]
+    #[inline(never)]
+    fn long_net_jet<const ROWS: usize, const JET: usize>(
+        &self,
+        net: &[DVec4],
+        [u, v]: [f64; 2],
+        limit: [Limit; 2],
+        out: &mut [DVec3],
+    ) {
+        let (mut a, mut b) = (Vec::new(), Vec::new());
+        let (iu, a) = jet_of(&*self.u, (u, limit[0]), ROWS - 1, &mut [], &mut a);
+        let (jv, b) = jet_of(&*self.v, (v, limit[1]), ROWS - 1, &mut [], &mut b);
+        self.net_jet_of::<0, ROWS, JET>(net, [a, b], [iu, jv], out);
     }
 
     /// The same for `N` active functions on each side, or any number if `N` is 0.
@@ -279,7 +306,7 @@ impl Separable {
         out: &mut [DVec3],
     ) {
         let [na, nb] = if N == 0 { [u.len(), v.len()] } else { [N; 2] };
-        let count = self.v.count();
+        let count = self.columns;
         let net = &net[u.start * count + v.start..][..(na - 1) * count + nb];
         let (a, b) = (&a[..ROWS * na], &b[..ROWS * nb]);
         // If their number is known: no check of each index then.
@@ -315,13 +342,13 @@ impl Separable {
     }
 
     /// The same for any core and order.
-    fn any_jet(
-        &self,
-        [a, b]: [&[f64]; 2],
-        active: [Range<usize>; 2],
-        order: usize,
-        out: &mut [DVec3],
-    ) {
+    #[inline(never)]
+    fn any_jet(&self, [u, v]: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
+        let (mut a, mut b) = ([0.0; 32], [0.0; 32]);
+        let (mut more_a, mut more_b) = (Vec::new(), Vec::new());
+        let (iu, a) = jet_of(&*self.u, (u, limit[0]), order, &mut a, &mut more_a);
+        let (jv, b) = jet_of(&*self.v, (v, limit[1]), order, &mut b, &mut more_b);
+        let active = [iu, jv];
         let (mut k, mut more_k) = ([[0.0; 4]; 16], Vec::new());
         let (mut h, mut r) = ([[0.0; 4]; 10], [[0.0; 3]; 10]);
         let (mut more_h, mut more_r) = (Vec::new(), Vec::new());
@@ -449,17 +476,11 @@ impl Surface for Separable {
     }
 
     fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
-        let (mut a, mut b) = (SmallVec::new(), SmallVec::new());
-        let active = [
-            self.u.active_jet(uv[0], limit[0], order, &mut a),
-            self.v.active_jet(uv[1], limit[1], order, &mut b),
-        ];
-        let jets = [&a[..], &b[..]];
         match (&self.core, order) {
-            (Core::Net(net), 0) => self.net_jet::<1, 1>(net, jets, active, out),
-            (Core::Net(net), 1) => self.net_jet::<2, 3>(net, jets, active, out),
-            (Core::Net(net), 2) => self.net_jet::<3, 6>(net, jets, active, out),
-            _ => self.any_jet(jets, active, order, out),
+            (Core::Net(net), 0) => self.net_jet::<1, 1, 8>(net, uv, limit, out),
+            (Core::Net(net), 1) => self.net_jet::<2, 3, 16>(net, uv, limit, out),
+            (Core::Net(net), 2) => self.net_jet::<3, 6, 24>(net, uv, limit, out),
+            _ => self.any_jet(uv, limit, order, out),
         }
     }
 
