@@ -13,6 +13,7 @@
 
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
+use std::sync::Arc;
 
 /// A vertex: along u and v, the number of the line below times 2^[`DEPTH`] and the distance from it.
 pub(super) type Place = [u64; 2];
@@ -156,9 +157,13 @@ impl Tile {
             ]
         };
         let rows = self.bits.into_iter().enumerate();
-        rows.flat_map(move |(row, bits)| {
-            let set = (0..WIDE as u32).filter(move |c| bits >> c & 1 == 1);
-            set.map(move |column| place(row, column))
+        rows.flat_map(move |(row, mut bits)| {
+            std::iter::from_fn(move || {
+                let column = bits.trailing_zeros();
+                // Without the lowest bit.
+                bits &= bits.checked_sub(1)?;
+                Some(place(row, column))
+            })
         })
     }
 }
@@ -167,7 +172,7 @@ impl Tile {
 #[derive(Clone, Debug)]
 pub(super) struct Bisection {
     /// The lines of constant u and v, increasing.
-    pub(super) lines: [Vec<f64>; 2],
+    pub(super) lines: Arc<[Vec<f64>; 2]>,
     tiles: Vec<Tile>,
     index: FxHashMap<Name, u32>,
     /// The tile that was used last: the next vertex is mostly in the same.
@@ -181,10 +186,34 @@ impl Bisection {
     pub(super) fn new(lines: [Vec<f64>; 2]) -> Self {
         Self {
             count: lines[0].len() * lines[1].len(),
-            lines,
+            lines: Arc::new(lines),
             tiles: Vec::new(),
             index: FxHashMap::default(),
             last: 0,
+        }
+    }
+
+    /// With the same lines, and no other vertices.
+    pub(super) fn of_lines(&self) -> Self {
+        Self {
+            count: self.lines[0].len() * self.lines[1].len(),
+            lines: self.lines.clone(),
+            tiles: Vec::new(),
+            index: FxHashMap::default(),
+            last: 0,
+        }
+    }
+
+    /// Adds the vertices of another triangulation of the same lines: each has with it what it needs.
+    pub(super) fn join(&mut self, other: &Self) {
+        for tile in &other.tiles {
+            let own = self.tile(tile.name);
+            let mut new = 0;
+            for (own, bits) in own.bits.iter_mut().zip(tile.bits) {
+                new += (bits & !*own).count_ones() as usize;
+                *own |= bits;
+            }
+            self.count += new;
         }
     }
 
@@ -207,22 +236,26 @@ impl Bisection {
         let Some(bit) = Bit::of(place) else {
             return false;
         };
-        let at_hand = self.tiles.get(self.last as usize);
-        if at_hand.is_none_or(|t| t.name != bit.tile) {
-            let next = self.tiles.len() as u32;
-            self.last = *self.index.entry(bit.tile).or_insert(next);
-            if self.last == next {
-                self.tiles.push(Tile {
-                    name: bit.tile,
-                    bits: [0; WIDE],
-                });
-            }
-        }
-        let row = &mut self.tiles[self.last as usize].bits[bit.row];
+        let row = &mut self.tile(bit.tile).bits[bit.row];
         let new = *row >> bit.column & 1 == 0;
         *row |= 1 << bit.column;
         self.count += usize::from(new);
         new
+    }
+
+    /// A tile that is there from now on.
+    #[inline]
+    fn tile(&mut self, name: Name) -> &mut Tile {
+        let at_hand = self.tiles.get(self.last as usize);
+        if at_hand.is_none_or(|t| t.name != name) {
+            let next = self.tiles.len() as u32;
+            self.last = *self.index.entry(name).or_insert(next);
+            if self.last == next {
+                let bits = [0; WIDE];
+                self.tiles.push(Tile { name, bits });
+            }
+        }
+        &mut self.tiles[self.last as usize]
     }
 
     /// The parameter of a coordinate along u (0) or v (1).
@@ -484,6 +517,31 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn joined_triangulations_are_those_of_all_squares() {
+        let mut random = Random(6);
+        let whole = || Bisection::new([vec![0.0, 1.0, 2.0], vec![0.0, 1.0]]);
+        let (mut one, mut shares) = (whole(), [whole().of_lines(), whole().of_lines()]);
+        for k in 0..60 {
+            let mut square = Square::cell([(random.unit() * 2.0) as usize, 0]);
+            for _ in 0..(random.unit() * 9.0) as u32 {
+                square = square.children()[(random.unit() * 4.0) as usize];
+            }
+            one.refine(square, k % 4);
+            shares[k as usize % 2].refine(square, k % 4);
+        }
+        let mut joined = whole();
+        shares.iter().for_each(|s| joined.join(s));
+        assert_eq!(joined.count(), one.count());
+        let sorted = |net: &Bisection| {
+            let mut places = net.numbered().places;
+            places.sort_unstable();
+            places
+        };
+        assert_eq!(sorted(&joined), sorted(&one));
+        examined(&joined);
     }
 
     #[test]

@@ -271,9 +271,7 @@ impl Layout {
         let complete = rest.len() == shares.len();
         for found in std::iter::once(Ok(first.found)).chain(rest) {
             let found = found?;
-            for (square, levels) in found.squares {
-                self.net.refine(square, levels);
-            }
+            self.net.join(&found.net);
             self.deviation = self.deviation.max(found.deviation);
             self.proven &= found.proven;
             demand.allows(self.triangles() as f64)?;
@@ -336,8 +334,8 @@ struct Work<'a> {
 
 /// What some squares need.
 struct Found {
-    /// How often the triangles of squares are to be bisected.
-    squares: Vec<(Square, u32)>,
+    /// The vertices that the squares need.
+    net: Bisection,
     /// About the number of triangles.
     triangles: f64,
     deviation: f64,
@@ -358,7 +356,7 @@ impl<'a> Work<'a> {
             pieces,
             block,
             found: Found {
-                squares: Vec::new(),
+                net: net.of_lines(),
                 triangles: 0.0,
                 deviation: 0.0,
                 proven: true,
@@ -428,7 +426,7 @@ impl<'a> Work<'a> {
         let deepest = 2 * (DEPTH - square.depth);
         self.found.proven &= level <= deepest;
         self.found.triangles += (2.0f64).powi(level as i32 + 1);
-        self.found.squares.push((square, level.min(deepest)));
+        self.found.net.refine(square, level.min(deepest));
         self.found.proven &= judged.proven;
         self.deviate(judged.deviation);
         self.demand.allows(self.found.triangles)
@@ -445,13 +443,11 @@ impl<'a> Work<'a> {
     /// Refines the parts of a square.
     fn accept(&mut self, square: Square, parts: Halved) -> Result<(), MeshError> {
         self.found.triangles += parts.triangles;
-        self.found.squares.push((square, 2 * parts.depth));
+        self.found.net.refine(square, 2 * parts.depth);
         for (part, level) in square.parts(parts.depth).zip(parts.levels) {
             let deepest = 2 * (DEPTH - part.depth);
             self.found.proven &= level <= deepest;
-            if level > 0 {
-                self.found.squares.push((part, level.min(deepest)));
-            }
+            self.found.net.refine(part, level.min(deepest));
         }
         self.deviate(parts.deviation);
         self.demand.allows(self.found.triangles)
@@ -459,7 +455,7 @@ impl<'a> Work<'a> {
 
     /// Leaves a square to its children.
     fn quarter(&mut self, square: Square, open: &mut Vec<Square>) -> Result<(), MeshError> {
-        self.found.squares.push((square, 2));
+        self.found.net.refine(square, 2);
         open.extend(square.children());
         self.demand.allows(self.found.triangles)
     }
