@@ -208,7 +208,7 @@ pub fn curve_with(c: &dyn Curve, boxes: usize) {
         };
         shrinks(
             &width(1e-2),
-            &width(1e-3),
+            &width(1e-4),
             &format!("curve enclosure near {m}"),
             far,
         );
@@ -253,11 +253,12 @@ fn start_of(piece: Interval) -> Interval {
     Interval::new(piece.lo, piece.lo + 0.95 * (piece.hi - piece.lo))
 }
 
-/// Ten times smaller intervals give at least about five times smaller boxes, until rounding takes over.
+/// A hundred times smaller intervals give at least twenty times smaller boxes, until rounding takes over: where the curve
+/// turns back in the middle of the larger interval, 25 times.
 fn shrinks(coarse: &[f64], fine: &[f64], what: &str, far: f64) {
     for (k, (c, f)) in coarse.iter().zip(fine).enumerate() {
         assert!(
-            *f <= 0.2 * c + 1e-10 * far,
+            *f <= 0.05 * c + 1e-10 * far,
             "{what}: order {k} shrinks only from {c:e} to {f:e}"
         );
     }
@@ -405,7 +406,7 @@ pub fn surface_with(s: &dyn Surface, boxes: usize) {
     };
     shrinks(
         &widths(1e-2),
-        &widths(1e-3),
+        &widths(1e-4),
         &format!("enclosure near {m:?}"),
         far,
     );
