@@ -9,7 +9,7 @@ use super::bound::{Bend, ROUND_UP, sampled};
 use super::lines::index;
 use super::measured::{LEVELS, PARTS, Samples};
 use super::options::MeshError;
-use super::partners::{BETWEEN, Framed, Place, bounds};
+use super::partners::{BETWEEN, Framed, Place, bounds, greatest_of};
 use super::parts::Parts;
 use super::pieces::{Enclosed, Local, Pieces};
 use super::roots::{Grid, Roots, roots};
@@ -35,8 +35,14 @@ const SETTLED: u32 = 2;
 const MOST: u32 = 8;
 /// Squares of at most this share of a piece are not measured for one bisection.
 const SMALL: f64 = 1.0 / 32.0;
+/// Samples of the curvature along each direction.
+const CURVED: usize = 12;
+/// How many times more than samples enclosures may say.
+const LOOSE: f64 = 16.0;
+/// The least share of the tolerance that is kept for points between partners.
+const LEAST_BETWEEN: f64 = 1.0 / 64.0;
 /// Parts that need this many times the triangles that their second derivatives ask for are enclosed by themselves.
-const ENOUGH_KNOWN: f64 = 2.0;
+const ENOUGH_KNOWN: f64 = 1.5;
 /// Squares that surely need more bisections are looked at in parts.
 const LARGE: u32 = FAR;
 /// The shares of a block that threads work on, and the squares to begin with.
@@ -190,6 +196,36 @@ fn blocks(surface: &dyn Surface, dir: Dir, index: usize) -> Result<Vec<Interval>
     Ok(cuts.windows(2).map(|w| Interval::new(w[0], w[1])).collect())
 }
 
+/// What is kept of a tolerance for points between the partners of different squares, as samples of the curvature say: where
+/// it is not enough, partners have the same parameters.
+fn between(surface: &dyn Surface, tol: f64) -> f64 {
+    let most = BETWEEN * tol;
+    let place = Place {
+        uv: surface.domain(),
+        block: surface.domain(),
+        least: [0.0; 2],
+    };
+    let params = place.uv.map(|r| -> Vec<f64> {
+        let at = |k: usize| r.lo + r.width() * (k as f64 + 0.5) / CURVED as f64;
+        (0..CURVED).map(at).collect()
+    });
+    let mut jets = vec![DVec3::ZERO; CURVED * CURVED * jet_len(2)];
+    surface.grid_jets(&params[0], &params[1], 2, &mut jets);
+    let of = |jet: &[DVec3]| {
+        let boxes: Vec<Box3> = jet.iter().map(|&d| Box3::point(d)).collect();
+        Framed::new(&place, &boxes).map_or(most, |f| f.between(tol))
+    };
+    let all = jets.chunks_exact(jet_len(2)).map(of);
+    // Enclosures over large squares say several times more than samples.
+    let found = LOOSE * greatest_of(all);
+    // NaN is none.
+    if found <= most {
+        found.max(LEAST_BETWEEN * tol)
+    } else {
+        most
+    }
+}
+
 /// Divides a surface.
 pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, MeshError> {
     let blocks = [
@@ -207,8 +243,10 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
     };
     let [nu, nv] = [0, 1].map(|d| out.blocks[d].len());
     let pieces = Pieces::new(surface, demand.tol);
+    let between = between(surface, demand.tol);
     for (i, j) in (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j))) {
-        out.add_block(&pieces, demand, [i, j], grids[i * nv + j].as_ref())?;
+        let grid = grids[i * nv + j].as_ref();
+        out.add_block(&pieces, demand, between, [i, j], grid)?;
     }
     Ok(out)
 }
@@ -230,6 +268,7 @@ impl Layout {
         &mut self,
         pieces: &Pieces,
         demand: &Demand,
+        between: f64,
         at: [usize; 2],
         grid: Option<&Grid>,
     ) -> Result<(), MeshError> {
@@ -244,7 +283,7 @@ impl Layout {
             cells: [0, 1].map(|d| self.cells(d, block[d])),
             normal: None,
         };
-        let work = || Work::new(demand, &self.net, pieces, block);
+        let work = || Work::new(demand, between, &self.net, pieces, block);
         let mut open: Vec<Square> = region.each().map(Square::cell).collect();
         // The largest squares first, until there are enough for all threads: so that few cells are shared as well.
         let (mut first, mut done) = (work(), 0);
@@ -326,6 +365,8 @@ impl Layout {
 struct Work<'a> {
     surface: &'a dyn Surface,
     demand: &'a Demand,
+    /// What is kept of the tolerance for points between the partners of different squares.
+    between: f64,
     net: &'a Bisection,
     pieces: &'a Pieces<'a>,
     block: [Interval; 2],
@@ -345,6 +386,7 @@ struct Found {
 impl<'a> Work<'a> {
     fn new(
         demand: &'a Demand,
+        between: f64,
         net: &'a Bisection,
         pieces: &'a Pieces<'a>,
         block: [Interval; 2],
@@ -352,6 +394,7 @@ impl<'a> Work<'a> {
         Self {
             surface: pieces.surface(),
             demand,
+            between,
             net,
             pieces,
             block,
@@ -435,8 +478,7 @@ impl<'a> Work<'a> {
     /// Takes note of a deviation of points of the mesh.
     fn deviate(&mut self, deviation: f64) {
         if deviation.is_finite() {
-            let between = BETWEEN * self.demand.tol;
-            self.found.deviation = self.found.deviation.max(deviation + between);
+            self.found.deviation = self.found.deviation.max(deviation + self.between);
         }
     }
 
@@ -525,7 +567,7 @@ impl<'a> Work<'a> {
         let [du, dv] = place.uv.map(|r| r.width());
         let steady = 0.25 * (jet[1].diagonal() * du + jet[2].diagonal() * dv);
         let size = jet[0].diagonal().min(steady * ROUND_UP);
-        let tol = (1.0 - BETWEEN) * self.demand.tol;
+        let tol = self.demand.tol - self.between;
         if proven && size <= tol {
             // Whatever the second derivatives.
             return Ok(Judged {
@@ -542,7 +584,7 @@ impl<'a> Work<'a> {
             .map(|r| 2.0 * f64::EPSILON * r.mag() / r.width());
         let grain = grain.fold(0.0, f64::max);
         let reach = framed.as_ref().map(Framed::within_reach);
-        let slides = |f: &Framed| proven && f.between(self.demand.tol) <= BETWEEN * self.demand.tol;
+        let slides = |f: &Framed| proven && f.between(self.demand.tol) <= self.between;
         let framed = framed.filter(slides);
         let (framed, local) = (framed.as_ref(), local.as_ref());
         let best = bounds(self.surface, place, jet, local, proven, framed, tol)

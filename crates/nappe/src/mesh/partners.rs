@@ -55,7 +55,7 @@ use smallvec::{SmallVec, smallvec};
 
 /// The neighbourhood of a square in which partners are looked for, as a share of its size.
 const ROOM: f64 = 1.0 / 16.0;
-/// The share of the tolerance that is left for points between the partners of different squares.
+/// The greatest share of the tolerance for what partners add, and for points between the partners of different squares.
 pub(super) const BETWEEN: f64 = 1.0 / 8.0;
 
 /// A bound for the triangles that are `L = 2 k` times (index 0) or `L = 2 k + 1` times (1) bisected, with `q = 1 / 2^k`:
