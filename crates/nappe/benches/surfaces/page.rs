@@ -41,7 +41,9 @@ const BOUNDS: &str = "
   by what it does to the surface, is fine. Preparing them takes the first list of a surface up to some tens of
   milliseconds, a Diagonal-key surface in space up to a third of a second. Where functions are singular, they are
   evaluated as single points are: such lists cost what their functions cost.
-* **mesh**: the enclosures that prove the tolerance, and the samples of squares with few triangles.
+* **T6, mesh**: of coarse meshes, the enclosures that prove the tolerance and the samples of squares with few triangles. Of
+  fine ones, half goes into bounds for each few triangles, and half into finding, evaluating and numbering vertices and into
+  fresh memory.
 
 Grids are the same as single points to the last bit, with any instruction set and any number of threads. Lists are the
 same with any instruction set and any number of threads, and agree with single points within four units in the last place
@@ -96,8 +98,8 @@ pub(crate) fn write(rows: &[Row], plots: &[Plot]) {
     .unwrap();
     rows.iter().for_each(|r| page += &cells(r));
     page += "\nT1 grid of positions, T2 with unit normals, T3 scattered points with first derivatives, T3b with second too,\n\
-        T4 as T1 for a rational net; *list1* with first derivatives; *mesh* for each triangle, proven to a thousandth of the\n\
-        diagonal.\n";
+        T4 as T1 for a rational net; *list1* with first derivatives; T6 a mesh on two threads, for each triangle, proven to that\n\
+        share of the diagonal; *mesh* the same for every kind, to a thousandth.\n";
     page += BOUNDS;
     page += "\n## How cost grows\n";
     fs::create_dir_all(format!("{FOLDER}/performance")).unwrap();

@@ -126,6 +126,9 @@ pub(crate) fn all(quick: bool, names: &[&str]) -> Vec<Row> {
     }
     if wanted("two threads") {
         rows.extend(two_threads(bicubic, &size));
+        if std::env::var("NOMESH").is_err() {
+            rows.extend(certified(bicubic, &size));
+        }
     }
     if wanted("one point") {
         rows.push(one_point(bicubic, &size));
@@ -280,14 +283,44 @@ fn one_point(surface: &SurfaceRef, size: &Size) -> Row {
     )
 }
 
-/// A certified mesh to a thousandth of the diagonal, for each triangle.
-fn triangles(kind: &str, surface: &SurfaceRef) -> Row {
+/// The triangles of a certified mesh within a share of the diagonal, and the time for each.
+fn meshed(surface: &SurfaceRef, share: f64, threads: Option<usize>) -> [f64; 2] {
     let diagonal = surface.bounds(surface.domain()).diagonal();
-    let options = MeshOptions::with_tol(1e-3 * diagonal);
-    // Once: a mesh takes seconds, beside which warming up is nothing.
+    let options = MeshOptions {
+        threads,
+        ..MeshOptions::with_tol(share * diagonal)
+    };
     let start = Instant::now();
     let mesh = mesh::mesh(std::slice::from_ref(surface), &options).unwrap();
     let time = start.elapsed().as_secs_f64() * 1e9;
-    let triangles = black_box(&mesh).patches[0].triangles.len();
-    row("mesh", kind, triangles, time / triangles as f64)
+    let triangles = black_box(&mesh).patches[0].triangles.len() as f64;
+    [triangles, time / triangles]
+}
+
+/// A certified mesh to a thousandth of the diagonal, for each triangle.
+fn triangles(kind: &str, surface: &SurfaceRef) -> Row {
+    // Once: beside a mesh, warming up is nothing.
+    let [triangles, ns] = meshed(surface, 1e-3, None);
+    row("mesh", kind, triangles as usize, ns)
+}
+
+/// Certified meshes by two threads, and by one (as `plain`).
+fn certified(surface: &SurfaceRef, size: &Size) -> Vec<Row> {
+    let of = |(share, kind)| {
+        let on = |threads: usize| {
+            let runs = (0..size.runs).map(|_| meshed(surface, share, Some(threads)));
+            runs.fold([0.0, f64::INFINITY], |a, b| [b[0], b[1].min(a[1])])
+        };
+        let [triangles, ns] = on(2);
+        Row {
+            plain: Some(on(1)[1]),
+            ..row("T6", kind, triangles as usize, ns)
+        }
+    };
+    [
+        (1e-3, "mesh of bicubic, 1e-3, two threads"),
+        (1e-5, "mesh of bicubic, 1e-5, two threads"),
+    ]
+    .map(of)
+    .into()
 }

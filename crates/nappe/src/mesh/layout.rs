@@ -1,7 +1,7 @@
 //! The division of a surface's domain into triangles of the plane of its parameters.
 //!
 //! The domain is cut where the surface is not C¹. Each of these blocks gets a net of lines (`roots`), and each of their
-//! cells is bisected (`bisection`) as often as its squares need (`partners`, `measured`), unless the whole block is proven as
+//! cells is bisected (`bisection`) as often as its squares need (`partners`, `parts`, `measured`), unless the whole block is proven as
 //! a grid (`bound`, `slide`).
 
 use super::bisection::{Bisection, DEPTH, Square};
