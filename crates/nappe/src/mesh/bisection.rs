@@ -6,7 +6,6 @@
 //! or none, and nowhere does a corner of one lie on a side of another. So a triangulation is a set of such middles, its
 //! *vertices*, that holds with each one also the right angles of the two triangles that share the side: these triangles
 //! have to exist. This is newest-vertex bisection (Maubach, *Local bisection refinement*, 1995).
-
 //!
 //! The vertices that first are corners of squares of the depths `4 b + 1` to `4 b + 4` make up the band `b`; those in a square
 //! of the depth `4 b` are 16 × 16 bits of one tile. The crossings of lines are all there, and need no bits.
@@ -292,14 +291,13 @@ impl Bisection {
         }
     }
 
-    /// The right angles of the triangles whose longest side has its middle here.
+    /// The right angles of the triangles whose longest side has its middle here, at no crossing of lines.
     fn right_angles(&self, [x, y]: Place) -> SmallVec<[Place; 2]> {
         let t = x.trailing_zeros().min(y.trailing_zeros());
         let s = 1 << t;
         let mut out = SmallVec::new();
         let odd = [x, y].map(|c| c >> t & 1 == 1);
         match odd {
-            _ if t >= DEPTH => {}
             [true, true] => {
                 // The centre of a square. Corners whose numbers have an even sum are on its diagonal.
                 let parity = ((x - s) >> (t + 1)) + ((y - s) >> (t + 1));
@@ -446,9 +444,10 @@ impl Finder<'_> {
     }
 
     fn halved(&mut self, [a, b, c]: [(Place, u32); 3], emit: &mut impl FnMut([u32; 3])) {
-        // That of the smallest side would be one of its ends.
-        let p = [0, 1].map(|d| (b.0[d] + c.0[d]) / 2);
-        let middle = (p != b.0 && p != c.0).then(|| self.number(p));
+        // The smallest sides have none.
+        let sum = [0, 1].map(|d| b.0[d] + c.0[d]);
+        let p = sum.map(|s| s / 2);
+        let middle = (sum.iter().all(|s| s % 2 == 0)).then(|| self.number(p));
         match middle.flatten() {
             Some(number) => {
                 let m = (p, number);

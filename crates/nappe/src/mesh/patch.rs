@@ -24,9 +24,9 @@ const INWARD: [f64; 4] = [1e-6, 1e-4, 1e-2, 0.5];
 /// From so many vertices on, the preparations of a list are worth while, and so are threads.
 const LIST: usize = 4096;
 /// The vertices that are evaluated at once: their derivatives stay in the caches.
-const AT_ONCE: usize = 512;
-/// The cells whose triangles a thread hands out at once.
-const CELLS: usize = 4;
+const AT_ONCE: usize = 4096;
+/// About the triangles that a thread hands out at once, if cells have not more.
+const SHARE: usize = 2048;
 /// The shares of cells that wait to be made triangles.
 const SHARES: usize = 64;
 
@@ -142,7 +142,7 @@ impl Builder<'_> {
         let count = net.places.len();
         let mut sites = vec![Site::default(); count];
         let fill = |places: &[Place], out: &mut [Site]| {
-            let mut jets = [[DVec3::ZERO; jet_len(1)]; AT_ONCE];
+            let mut jets = vec![[DVec3::ZERO; jet_len(1)]; AT_ONCE.min(places.len())];
             for (places, out) in places.chunks(AT_ONCE).zip(out.chunks_mut(AT_ONCE)) {
                 let uv: Vec<[f64; 2]> = places.iter().map(|&p| self.layout.net.uv(p)).collect();
                 let jets = &mut jets[..uv.len()];
@@ -238,9 +238,11 @@ impl Builder<'_> {
     fn region(&mut self, region: &Region, work: &mut Work) -> Result<(), MeshError> {
         let cells: Vec<[usize; 2]> = region.each().collect();
         let threads = self.threads_for(work.sites.len());
-        // So many at a time that what they wait in stays small.
-        for cells in cells.chunks(CELLS * SHARES) {
-            let shares: Vec<_> = cells.chunks(CELLS).collect();
+        let each = 2 * work.sites.len() / cells.len().max(1);
+        let share = (SHARE / each.max(1)).max(1);
+        // So many at a time that what they wait in stays small, but for cells of very many triangles.
+        for cells in cells.chunks(share * SHARES) {
+            let shares: Vec<_> = cells.chunks(share).collect();
             let of = |k: usize| {
                 let mut all = Vec::new();
                 for &cell in shares[k] {
@@ -248,7 +250,8 @@ impl Builder<'_> {
                 }
                 all
             };
-            for t in parallel::each(threads, shares.len(), of, |_| false).concat() {
+            let all = parallel::each(threads, shares.len(), of, |_| false);
+            for t in all.into_iter().flatten() {
                 let special = |k: u32| work.slots[k as usize].special;
                 if work.normal.is_some() || t.into_iter().any(special) {
                     self.special(t, work)?;

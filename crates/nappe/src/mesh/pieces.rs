@@ -43,8 +43,8 @@ const DIRS: [Dir; 2] = [Dir::U, Dir::V];
 pub(super) struct Pieces<'a> {
     surface: &'a dyn Surface,
     tol: f64,
-    /// For each tile of pieces, v fastest, its pieces, v fastest.
-    tiles: Vec<Mutex<Option<Tile>>>,
+    /// For each tile of pieces, v fastest, its pieces, v fastest; made when they are first asked for.
+    tiles: OnceLock<Vec<Mutex<Option<Tile>>>>,
     /// The number of pieces that are kept, with their quarters.
     kept: AtomicUsize,
 }
@@ -55,11 +55,10 @@ type Tile = Arc<[Piece]>;
 impl<'a> Pieces<'a> {
     /// Enclosures that tell what a mesh within `tol` needs.
     pub(super) fn new(surface: &'a dyn Surface, tol: f64) -> Self {
-        let tiles = DIRS.map(|d| surface.breaks(d).pieces().div_ceil(TILE));
         Self {
             surface,
             tol,
-            tiles: (0..tiles[0] * tiles[1]).map(|_| Mutex::new(None)).collect(),
+            tiles: OnceLock::new(),
             kept: AtomicUsize::new(0),
         }
     }
@@ -80,10 +79,6 @@ impl<'a> Pieces<'a> {
         });
         if shares[0] * shares[1] > LARGE || range[0].len() * range[1].len() > MOST {
             return Enclosed::direct(self.surface, uv);
-        }
-        if self.kept.load(Ordering::Relaxed) > KEPT {
-            self.tiles.iter().for_each(|t| *locked(t) = None);
-            self.kept.store(0, Ordering::Relaxed);
         }
         let mut hull = None;
         for (i, j) in range[0]
@@ -135,7 +130,15 @@ impl<'a> Pieces<'a> {
         let within = [0, 1].map(|d| tile[d] * TILE..count[d].min((tile[d] + 1) * TILE));
         let number = tile[0] * count[1].div_ceil(TILE) + tile[1];
         let place = (at[0] - within[0].start) * within[1].len() + at[1] - within[1].start;
-        let mut kept = locked(&self.tiles[number]);
+        let tiles = self.tiles.get_or_init(|| {
+            let tiles = count.map(|n| n.div_ceil(TILE));
+            (0..tiles[0] * tiles[1]).map(|_| Mutex::new(None)).collect()
+        });
+        if self.kept.load(Ordering::Relaxed) > KEPT {
+            tiles.iter().for_each(|t| *locked(t) = None);
+            self.kept.store(0, Ordering::Relaxed);
+        }
+        let mut kept = locked(&tiles[number]);
         let tile = kept.get_or_insert_with(|| {
             let parts = [0, 1].map(|d| -> Vec<Interval> {
                 let breaks = self.surface.breaks(DIRS[d]);
@@ -349,11 +352,9 @@ impl Piece {
         let second = [mid[3], mid[4], mid[5]];
         // Half of a square is in the middle.
         let squares = SECOND.map(|(a, b)| {
-            let (u, v) = (falling(a + 2, 2) * hu[2], falling(b + 2, 2) * hv[2]);
-            let factor = FACTORIALS[a] * FACTORIALS[b];
             [
-                moved[a + 2][b] * (factor * u),
-                moved[a][b + 2] * (factor * v),
+                moved[a + 2][b] * (falling(a + 2, a) * FACTORIALS[b] * hu[2]),
+                moved[a][b + 2] * (FACTORIALS[a] * falling(b + 2, b) * hv[2]),
             ]
         });
         for (mid, [u, v]) in mid.iter_mut().zip(squares) {
@@ -392,7 +393,6 @@ impl Piece {
         }
         let loose = sizes(&loose);
         let sharp = near && loose[0] + loose[1] <= LOOSE * known[1].max(tol);
-        error[0] += (mid[1].abs() + error[1]) * half[0] + (mid[2].abs() + error[2]) * half[1];
         let (su, sv) = (powers(self.half[0]), powers(self.half[1]));
         let mut jet = self.over;
         for (k, (a, b)) in SECOND.into_iter().enumerate() {

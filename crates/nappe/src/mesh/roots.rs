@@ -251,8 +251,16 @@ fn cut_at_pieces(
         return;
     }
     let each = (pieces[0] * pieces[1] * IN_A_PIECE) as f64;
-    let all = sampled(surface, [&blocks[0], &blocks[1]]);
-    let needed: f64 = all.iter().map(|samples| expected(samples, tol)).sum();
+    let pairs = blocks[0]
+        .iter()
+        .flat_map(|&u| blocks[1].iter().map(move |&v| [u, v]));
+    let mut needed = 0.0;
+    for [u, v] in pairs {
+        needed += expected(&sampled(surface, [&[u], &[v]])[0], tol);
+        if needed >= each {
+            break;
+        }
+    }
     if needed < each {
         return;
     }
