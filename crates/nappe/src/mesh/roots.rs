@@ -18,8 +18,8 @@ const SAMPLES: usize = 6;
 const GAIN: f64 = 0.85;
 /// The most lines that halving may lead to, along each direction.
 const MOST: usize = 4096;
-/// Lines between pieces are worth while from so many cells in each on.
-const IN_A_PIECE: usize = 16;
+/// Lines between pieces are worth while from so many cells across each on.
+const ACROSS: usize = 4;
 /// Pieces this many times narrower than the mean have no lines of their own.
 const NARROW: f64 = 4.0;
 /// A grid with so few cells cannot be improved.
@@ -236,8 +236,8 @@ fn common(block: Interval, d: usize, grids: &[&Grid], least: f64) -> Vec<Interva
         .collect()
 }
 
-/// Cuts strips between the pieces of a surface that needs many cells in each: squares in one piece are known better than
-/// those in several.
+/// Cuts strips between the pieces of a surface that needs several cells across each: squares in one piece are known better
+/// than those in several.
 fn cut_at_pieces(
     surface: &dyn Surface,
     blocks: &[Vec<Interval>; 2],
@@ -246,22 +246,22 @@ fn cut_at_pieces(
     tol: f64,
 ) {
     let breaks = [Dir::U, Dir::V].map(|d| surface.breaks(d));
-    let pieces = breaks.map(|b| b.pieces());
-    if grids.iter().any(Option::is_some) || pieces[0].max(pieces[1]) > MOST {
+    if grids.iter().any(Option::is_some) || breaks.iter().any(|b| b.pieces() > MOST) {
         return;
     }
-    let each = (pieces[0] * pieces[1] * IN_A_PIECE) as f64;
-    let pairs = blocks[0]
-        .iter()
-        .flat_map(|&u| blocks[1].iter().map(move |&v| [u, v]));
-    let mut needed = 0.0;
-    for [u, v] in pairs {
-        needed += expected(&sampled(surface, [&[u], &[v]])[0], tol);
-        if needed >= each {
-            break;
+    // The cells along a line, in the mean over lines.
+    let mut needed = [0.0; 2];
+    for &u in &blocks[0] {
+        for &v in &blocks[1] {
+            let samples = &sampled(surface, [&[u], &[v]])[0];
+            let along =
+                |f: fn(&Sample) -> f64| mean(samples.iter().map(|s| (0.125 * f(s) / tol).sqrt()));
+            needed[0] += along(|s| s.uu) / blocks[1].len() as f64;
+            needed[1] += along(|s| s.vv) / blocks[0].len() as f64;
         }
     }
-    if needed < each {
+    let each = |d: usize| needed[d] >= (ACROSS * breaks[d].pieces()) as f64;
+    if !(each(0) && each(1)) {
         return;
     }
     for d in 0..2 {
