@@ -101,12 +101,28 @@ impl<'a> Pieces<'a> {
             .iter()
             .flat_map(|&u| halves[1].map(|v| self.enclose([u, v]).jet));
         let hull = quarters.reduce(|a, b| std::array::from_fn(|k| a[k].hull(b[k])));
+        // Over several pieces, whose expansions are hulled, the surface's own enclosure tells more.
+        let hull = match hull {
+            Some(hull) if self.crosses(uv) => {
+                let direct = Enclosed::direct(self.surface, uv).jet;
+                Some(std::array::from_fn(|k| hull[k].meet(direct[k])))
+            }
+            hull => hull,
+        };
         Enclosed {
             jet: hull.map_or(enclosed.jet, |h| {
                 std::array::from_fn(|k| h[k].meet(enclosed.jet[k]))
             }),
             ..enclosed
         }
+    }
+
+    /// True if a rectangle lies in several pieces.
+    fn crosses(&self, uv: [Interval; 2]) -> bool {
+        (0..2).any(|d| {
+            let breaks = self.surface.breaks(DIRS[d]);
+            breaks.find(uv[d].lo, Limit::Above) != breaks.find(uv[d].hi, Limit::Below)
+        })
     }
 
     /// What is known about a small rectangle in one piece.
