@@ -141,10 +141,6 @@ impl Bit {
 }
 
 impl Tile {
-    fn has(&self, bit: &Bit) -> bool {
-        self.bits[bit.row] >> bit.column & 1 == 1
-    }
-
     /// The vertices, by rows.
     fn places(&self) -> impl Iterator<Item = Place> {
         let Name { band, at } = self.name;
@@ -183,20 +179,18 @@ pub(super) struct Bisection {
 impl Bisection {
     /// Two triangles for each cell.
     pub(super) fn new(lines: [Vec<f64>; 2]) -> Self {
-        Self {
-            count: lines[0].len() * lines[1].len(),
-            lines: Arc::new(lines),
-            tiles: Vec::new(),
-            index: FxHashMap::default(),
-            last: 0,
-        }
+        Self::of(Arc::new(lines))
     }
 
     /// With the same lines, and no other vertices.
     pub(super) fn of_lines(&self) -> Self {
+        Self::of(self.lines.clone())
+    }
+
+    fn of(lines: Arc<[Vec<f64>; 2]>) -> Self {
         Self {
-            count: self.lines[0].len() * self.lines[1].len(),
-            lines: self.lines.clone(),
+            count: lines[0].len() * lines[1].len(),
+            lines,
             tiles: Vec::new(),
             index: FxHashMap::default(),
             last: 0,
@@ -259,7 +253,13 @@ impl Bisection {
 
     /// The parameter of a coordinate along u (0) or v (1).
     pub(super) fn param(&self, d: usize, x: u64) -> f64 {
-        param(&self.lines[d], x)
+        let (line, from) = ((x >> DEPTH) as usize, x & (CELL - 1));
+        let lo = self.lines[d][line];
+        if from == 0 {
+            return lo;
+        }
+        let hi = self.lines[d][line + 1];
+        (lo + (hi - lo) * (from as f64 / CELL as f64)).clamp(lo, hi)
     }
 
     pub(super) fn uv(&self, place: Place) -> [f64; 2] {
@@ -363,17 +363,6 @@ impl Bisection {
     }
 }
 
-/// The parameter of a coordinate between lines.
-pub(super) fn param(lines: &[f64], x: u64) -> f64 {
-    let (line, from) = ((x >> DEPTH) as usize, x & (CELL - 1));
-    let lo = lines[line];
-    if from == 0 {
-        return lo;
-    }
-    let hi = lines[line + 1];
-    (lo + (hi - lo) * (from as f64 / CELL as f64)).clamp(lo, hi)
-}
-
 /// The numbers of the vertices of a tile.
 struct Count {
     first: u32,
@@ -437,7 +426,7 @@ impl Finder<'_> {
         let tile = last.1? as usize;
         let Count { first, before } = &self.of.counts[tile];
         let bits = net.tiles[tile].bits[bit.row];
-        net.tiles[tile].has(&bit).then(|| {
+        (bits >> bit.column & 1 == 1).then(|| {
             let below = bits & ((1 << bit.column) - 1);
             first + u32::from(before[bit.row]) + below.count_ones()
         })

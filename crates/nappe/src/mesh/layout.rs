@@ -1,8 +1,8 @@
 //! The division of a surface's domain into triangles of the plane of its parameters.
 //!
 //! The domain is cut where the surface is not C¹. Each of these blocks gets a net of lines (`roots`), and each of their
-//! cells is bisected (`bisection`) as often as its squares need (`partners`, `parts`, `measured`), unless the whole block is proven as
-//! a grid (`bound`, `slide`).
+//! cells is bisected (`bisection`) as often as its squares need (`partners`, `parts`, `measured`), unless the whole block is
+//! proven as a grid (`bound`, `slide`).
 
 use super::bisection::{Bisection, DEPTH, Square};
 use super::bound::{Bend, ROUND_UP, sampled};
@@ -20,6 +20,7 @@ use crate::interval::Interval;
 use crate::parallel;
 use crate::surface::{Corner, Dir, Side, Surface, jet_len};
 use glam::DVec3;
+use std::cell::LazyCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Squares deeper than this would be as small as the rounding of parameters.
@@ -27,7 +28,7 @@ const MAX_DEPTH: u32 = DEPTH - 4;
 /// The depth at which a surface that cannot bound its position is sampled. Less, and surfaces whose enclosures are merely
 /// loose over large rectangles are not proven; more, and surfaces that never bound themselves cost much.
 const PATIENCE: u32 = 4;
-/// Squares that need more bisections than this are better looked at in parts than enclosed sharply.
+/// Squares that need more bisections than this are better looked at in parts than enclosed.
 const FAR: u32 = LEVELS + 2;
 /// With so few bisections, looking at the parts of a square saves hardly a triangle.
 const SETTLED: u32 = 2;
@@ -43,8 +44,6 @@ const LOOSE: f64 = 16.0;
 const LEAST_BETWEEN: f64 = 1.0 / 64.0;
 /// Parts that need this many times the triangles that their second derivatives ask for are enclosed by themselves.
 const ENOUGH_KNOWN: f64 = 1.5;
-/// Squares that surely need more bisections are looked at in parts.
-const LARGE: u32 = FAR;
 /// The shares of a block that threads work on, and the squares to begin with.
 const SHARES: usize = 16;
 const ENOUGH: usize = 64;
@@ -243,10 +242,11 @@ pub(super) fn layout(surface: &dyn Surface, demand: &Demand) -> Result<Layout, M
     };
     let [nu, nv] = [0, 1].map(|d| out.blocks[d].len());
     let pieces = Pieces::new(surface, demand.tol);
-    let between = between(surface, demand.tol);
+    // Not for surfaces that are grids throughout.
+    let between = LazyCell::new(|| between(surface, demand.tol));
     for (i, j) in (0..nu).flat_map(|i| (0..nv).map(move |j| (i, j))) {
         let grid = grids[i * nv + j].as_ref();
-        out.add_block(&pieces, demand, between, [i, j], grid)?;
+        out.add_block(&pieces, demand, &between, [i, j], grid)?;
     }
     Ok(out)
 }
@@ -268,7 +268,7 @@ impl Layout {
         &mut self,
         pieces: &Pieces,
         demand: &Demand,
-        between: f64,
+        between: &LazyCell<f64, impl FnOnce() -> f64>,
         at: [usize; 2],
         grid: Option<&Grid>,
     ) -> Result<(), MeshError> {
@@ -283,7 +283,8 @@ impl Layout {
             cells: [0, 1].map(|d| self.cells(d, block[d])),
             normal: None,
         };
-        let work = || Work::new(demand, between, &self.net, pieces, block);
+        let between = **between;
+        let work = || Work::new(demand, between, self.net.of_lines(), pieces, block);
         let mut open: Vec<Square> = region.each().map(Square::cell).collect();
         // The largest squares first, until there are enough for all threads: so that few cells are shared as well.
         let (mut first, mut done) = (work(), 0);
@@ -361,13 +362,12 @@ impl Layout {
     }
 }
 
-/// The work on some squares of a block: it needs the lines of the net alone.
+/// The work on some squares of a block.
 struct Work<'a> {
     surface: &'a dyn Surface,
     demand: &'a Demand,
     /// What is kept of the tolerance for points between the partners of different squares.
     between: f64,
-    net: &'a Bisection,
     pieces: &'a Pieces<'a>,
     block: [Interval; 2],
     found: Found,
@@ -387,7 +387,7 @@ impl<'a> Work<'a> {
     fn new(
         demand: &'a Demand,
         between: f64,
-        net: &'a Bisection,
+        net: Bisection,
         pieces: &'a Pieces<'a>,
         block: [Interval; 2],
     ) -> Self {
@@ -395,11 +395,10 @@ impl<'a> Work<'a> {
             surface: pieces.surface(),
             demand,
             between,
-            net,
             pieces,
             block,
             found: Found {
-                net: net.of_lines(),
+                net,
                 triangles: 0.0,
                 deviation: 0.0,
                 proven: true,
@@ -420,7 +419,8 @@ impl<'a> Work<'a> {
 
     /// Refines a square, or leaves that to its children.
     fn square(&mut self, square: Square, open: &mut Vec<Square>) -> Result<(), MeshError> {
-        let (lower, upper) = (self.net.uv(square.corner), self.net.uv(square.upper()));
+        let net = &self.found.net;
+        let (lower, upper) = (net.uv(square.corner), net.uv(square.upper()));
         let place = Place {
             uv: [0, 1].map(|d| Interval {
                 lo: lower[d],
@@ -509,14 +509,18 @@ impl<'a> Work<'a> {
         let middle = place.uv.map(Interval::mid);
         self.surface
             .jet_into(middle, Default::default(), 2, &mut jet);
-        let framed = Framed::new(place, &jet.map(Box3::point));
+        self.is_far(Framed::new(place, &jet.map(Box3::point)).as_ref())
+    }
+
+    /// True if a square needs more than [`FAR`] bisections at best.
+    fn is_far(&self, framed: Option<&Framed>) -> bool {
         let level = framed.and_then(|f| f.within_reach().level(self.demand.tol, 0.0));
-        level.is_some_and(|(level, _)| level > LARGE)
+        level.is_some_and(|(level, _)| level > FAR)
     }
 
     /// See [`Place::least`].
     fn least(&self, d: usize, square: Square) -> f64 {
-        let lines = &self.net.lines[d];
+        let lines = &self.found.net.lines[d];
         let cell = (square.corner[d] >> DEPTH) as usize;
         let near = lines[cell.saturating_sub(1)..(cell + 3).min(lines.len())].windows(2);
         let least = near.map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
@@ -527,10 +531,7 @@ impl<'a> Work<'a> {
         let around = place.surroundings();
         let mut enclosed = self.pieces.enclose(around);
         let mut framed = Framed::new(place, &enclosed.jet);
-        let coarse = framed.as_ref().is_some_and(|f| {
-            let reach = f.within_reach().level(self.demand.tol, 0.0);
-            reach.is_some_and(|r| r.0 > FAR)
-        });
+        let coarse = self.is_far(framed.as_ref());
         let inside = (0..2).all(|d| !place.touches(d));
         let local = if inside && !coarse && framed.is_some() {
             self.pieces.local(place.uv)

@@ -4,7 +4,8 @@
 //!
 //! 1. `shared`: which sides of the surfaces are the same curve, which are one point;
 //! 2. `layout`: each domain is cut into triangles by a net of lines (`roots`) and `bisection`, until bounds prove the
-//!    tolerance: those of `partners`, `parts` and `measured` for squares, those of `bound` and `slide` for a grid over a smooth part;
+//!    tolerance: those of `partners`, `parts` and `measured` for squares, those of `bound` and `slide` for a grid over a
+//!    smooth part;
 //! 3. `stitch`: the vertices on a shared side are the union of what its surfaces ask for, as points of the first of them;
 //! 4. `patch`: the triangles get their vertices, and those on a side also take in what other surfaces asked for.
 //!

@@ -193,6 +193,15 @@ impl Builder<'_> {
         self.collapsed.iter().position(on)
     }
 
+    fn spot(&self, uv: [f64; 2], point: u32, number: Option<u32>) -> Spot {
+        Spot {
+            uv,
+            point,
+            tip: self.tip(uv).map(|l| 1 - self.collapsed[l].across),
+            number,
+        }
+    }
+
     /// The point for a place, that of other surfaces if it is shared; `p` is the surface's own.
     fn point(&mut self, uv: [f64; 2], on_side: bool, p: DVec3) -> Result<u32, MeshError> {
         if !p.is_finite() {
@@ -215,17 +224,6 @@ impl Builder<'_> {
             self.collapsed[l].point.get_or_insert(point);
         }
         Ok(point)
-    }
-
-    /// A corner that is a vertex of the net.
-    fn spot(&self, number: u32, work: &Work) -> Spot {
-        let uv = work.sites[number as usize].uv;
-        Spot {
-            uv,
-            point: work.slots[number as usize].point,
-            tip: self.tip(uv).map(|l| 1 - self.collapsed[l].across),
-            number: Some(number),
-        }
     }
 
     fn place_of(&self, point: u32) -> DVec3 {
@@ -267,7 +265,10 @@ impl Builder<'_> {
 
     /// Makes a triangle that may have further vertices on an edge, or two corners at one point, or the wrong orientation.
     fn special(&mut self, t: [u32; 3], work: &mut Work) -> Result<(), MeshError> {
-        let corners = t.map(|k| self.spot(k, work));
+        let corners = t.map(|k| {
+            let (site, slot) = (&work.sites[k as usize], &work.slots[k as usize]);
+            self.spot(site.uv, slot.point, Some(k))
+        });
         let places = t.map(|k| work.net.places[k as usize]);
         // Further vertices are on one side at most, see `Layout::open_corners`.
         let further = (0..3).find_map(|k| {
@@ -289,12 +290,8 @@ impl Builder<'_> {
         for t in params {
             let mut uv = corners[k].uv;
             uv[index(side.along())] = t;
-            chain.push(Spot {
-                uv,
-                point: self.point(uv, true, self.surface.point(uv))?,
-                tip: self.tip(uv).map(|l| 1 - self.collapsed[l].across),
-                number: None,
-            });
+            let point = self.point(uv, true, self.surface.point(uv))?;
+            chain.push(self.spot(uv, point, None));
         }
         chain.push(corners[(k + 1) % 3]);
         for ends in chain.windows(2) {

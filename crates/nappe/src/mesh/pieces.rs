@@ -15,6 +15,7 @@ use crate::breaks::{Breaks, Limit, Part};
 use crate::interval::Interval;
 use crate::surface::{Dir, Surface, jet_index, jet_len};
 use glam::DVec3;
+use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -69,10 +70,7 @@ impl<'a> Pieces<'a> {
 
     /// Encloses the jet of order 2 over a rectangle.
     pub(super) fn enclose(&self, uv: [Interval; 2]) -> Enclosed {
-        let range = [0, 1].map(|d| {
-            let breaks = self.surface.breaks(DIRS[d]);
-            breaks.find(uv[d].lo, Limit::Above)..breaks.find(uv[d].hi, Limit::Below) + 1
-        });
+        let range = self.covered(uv);
         let shares = [0, 1].map(|d| {
             let breaks = self.surface.breaks(DIRS[d]);
             uv[d].width() / breaks.piece(breaks.find(uv[d].mid(), Limit::Above)).width()
@@ -93,50 +91,38 @@ impl<'a> Pieces<'a> {
 
     /// Encloses the jet over a rectangle more sharply: what is lost falls with the square of the size.
     pub(super) fn sharpened(&self, enclosed: Enclosed, uv: [Interval; 2]) -> Enclosed {
-        let halves = uv.map(|t| {
-            let middle = t.mid();
-            [Interval { hi: middle, ..t }, Interval { lo: middle, ..t }]
-        });
+        let meet = |a: Jet<Box3>, b: Jet<Box3>| std::array::from_fn(|k| a[k].meet(b[k]));
+        let halves = uv.map(|t| halves(t, t.mid()));
         let quarters = halves[0]
             .iter()
             .flat_map(|&u| halves[1].map(|v| self.enclose([u, v]).jet));
         let hull = quarters.reduce(|a, b| std::array::from_fn(|k| a[k].hull(b[k])));
+        let mut jet = hull.map_or(enclosed.jet, |hull| meet(hull, enclosed.jet));
         // Over several pieces, whose expansions are hulled, the surface's own enclosure tells more.
-        let hull = match hull {
-            Some(hull) if self.crosses(uv) => {
-                let direct = Enclosed::direct(self.surface, uv).jet;
-                Some(std::array::from_fn(|k| hull[k].meet(direct[k])))
-            }
-            hull => hull,
-        };
-        Enclosed {
-            jet: hull.map_or(enclosed.jet, |h| {
-                std::array::from_fn(|k| h[k].meet(enclosed.jet[k]))
-            }),
-            ..enclosed
+        if self.covered(uv).iter().any(|range| range.len() != 1) {
+            jet = meet(jet, Enclosed::direct(self.surface, uv).jet);
         }
-    }
-
-    /// True if a rectangle lies in several pieces.
-    fn crosses(&self, uv: [Interval; 2]) -> bool {
-        (0..2).any(|d| {
-            let breaks = self.surface.breaks(DIRS[d]);
-            breaks.find(uv[d].lo, Limit::Above) != breaks.find(uv[d].hi, Limit::Below)
-        })
+        Enclosed { jet, ..enclosed }
     }
 
     /// What is known about a small rectangle in one piece.
     pub(super) fn local(&self, uv: [Interval; 2]) -> Option<Local> {
-        let at = [0, 1].map(|d| {
-            let (breaks, t) = (self.surface.breaks(DIRS[d]), uv[d]);
-            let first = breaks.find(t.lo, Limit::Above);
-            (first == breaks.find(t.hi, Limit::Below)).then_some(first)
-        });
-        let [Some(i), Some(j)] = at else { return None };
-        let (tile, place) = self.piece([i, j]);
+        let range = self.covered(uv);
+        if range.iter().any(|range| range.len() != 1) {
+            return None;
+        }
+        let (tile, place) = self.piece(range.map(|range| range.start));
         let mut hull = None;
         tile[place].join(self, uv, &mut hull);
         hull.and_then(|h| h.local)
+    }
+
+    /// The pieces that a rectangle covers along u and v.
+    fn covered(&self, uv: [Interval; 2]) -> [Range<usize>; 2] {
+        [0, 1].map(|d| {
+            let breaks = self.surface.breaks(DIRS[d]);
+            breaks.find(uv[d].lo, Limit::Above)..breaks.find(uv[d].hi, Limit::Below) + 1
+        })
     }
 
     /// The tile of a piece, and the piece's place there.
@@ -271,7 +257,7 @@ impl Piece {
         let [powers_u, powers_v] = half.map(powers);
         let mut terms = [[DVec3::ZERO; ORDER + 1]; ORDER + 1];
         let [mut rest, mut noise] = [[DVec3::ZERO; jet_len(2)]; 2];
-        for (i, j) in places(ORDER) {
+        for (i, j) in (0..=ORDER).flat_map(|n| (0..=n).map(move |j| (n - j, j))) {
             let k = jet_index(i, j);
             let highest = i + j == ORDER;
             let of = if highest { over[k] } else { at[k] };
@@ -279,9 +265,9 @@ impl Piece {
             let term = of.mid() * share;
             terms[i][j] = term;
             let unknown = DVec3::from_array(of.to_array().map(Interval::width)) * (0.5 * share);
-            for (a, b) in places(2).filter(|&(a, b)| a <= i && b <= j) {
+            let taken = SECOND.into_iter().enumerate();
+            for (k, (a, b)) in taken.filter(|&(_, (a, b))| a <= i && b <= j) {
                 let factor = falling(i, a) * falling(j, b);
-                let k = jet_index(a, b);
                 noise[k] += term.abs() * (factor * ROUNDING);
                 let off = if highest { &mut rest } else { &mut noise };
                 off[k] += unknown * factor;
@@ -312,10 +298,7 @@ impl Piece {
         {
             return;
         }
-        let halves = [0, 1].map(|d| {
-            let (t, middle) = (self.uv[d], self.middle[d]);
-            [Interval { hi: middle, ..t }, Interval { lo: middle, ..t }]
-        });
+        let halves = [0, 1].map(|d| halves(self.uv[d], self.middle[d]));
         let can_be_halved = |d: usize, part: Interval| {
             let wide = halves[d].iter().all(|t| t.lo < t.hi);
             wide && 2.0 * part.width() <= self.uv[d].width()
@@ -436,6 +419,10 @@ impl Piece {
     }
 }
 
+fn halves(t: Interval, middle: f64) -> [Interval; 2] {
+    [Interval { hi: middle, ..t }, Interval { lo: middle, ..t }]
+}
+
 /// The distance of the farther end.
 fn farthest(t: Interval, from: f64) -> f64 {
     (t.hi - from).max(from - t.lo) * ROUND_UP
@@ -461,11 +448,6 @@ fn moved(terms: &Polynomial, [s, t]: [f64; 2]) -> Polynomial {
         }
     }
     p
-}
-
-/// The places of a jet.
-fn places(order: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..=order).flat_map(|n| (0..=n).map(move |j| (n - j, j)))
 }
 
 fn powers(x: f64) -> [f64; ORDER + 1] {

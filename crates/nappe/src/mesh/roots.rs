@@ -249,15 +249,17 @@ fn cut_at_pieces(
     if grids.iter().any(Option::is_some) || breaks.iter().any(|b| b.pieces() > MOST) {
         return;
     }
+    if (0..2).all(|d| breaks[d].pieces() == blocks[d].len()) {
+        // There are lines already.
+        return;
+    }
     // The cells along a line, in the mean over lines.
     let mut needed = [0.0; 2];
     for &u in &blocks[0] {
         for &v in &blocks[1] {
             let samples = &sampled(surface, [&[u], &[v]])[0];
-            let along =
-                |f: fn(&Sample) -> f64| mean(samples.iter().map(|s| (0.125 * f(s) / tol).sqrt()));
-            needed[0] += along(|s| s.uu) / blocks[1].len() as f64;
-            needed[1] += along(|s| s.vv) / blocks[0].len() as f64;
+            needed[0] += along(samples, tol, |s| s.uu) / blocks[1].len() as f64;
+            needed[1] += along(samples, tol, |s| s.vv) / blocks[0].len() as f64;
         }
     }
     let each = |d: usize| needed[d] >= (ACROSS * breaks[d].pieces()) as f64;
@@ -306,10 +308,15 @@ fn fewest(samples: &Samples, parts: [usize; 2], tol: f64) -> f64 {
     across(0) * across(1)
 }
 
+/// The cells along a line for some second derivatives, in the mean.
+fn along(samples: &Samples, tol: f64, second: fn(&Sample) -> f64) -> f64 {
+    mean(samples.iter().map(|s| (0.125 * second(s) / tol).sqrt()))
+}
+
 /// About the number of cells that bisection of a block needs.
 fn expected(samples: &Samples, tol: f64) -> f64 {
     let both = mean(samples.iter().map(|s| 0.25 * ((s.uu * s.vv).sqrt() + s.uv))) / tol;
-    let one = |f: fn(&Sample) -> f64| mean(samples.iter().map(|s| (0.125 * f(s) / tol).sqrt()));
+    let one = |f| along(samples, tol, f);
     // The chords along the sides.
     let side = |d: usize, upper: bool| {
         let on = samples.iter().enumerate().filter(move |(k, _)| {
