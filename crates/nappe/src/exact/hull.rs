@@ -15,142 +15,99 @@ use crate::surface::{jet_index, jet_len};
 use glam::DVec4;
 use smallvec::SmallVec;
 
-type Row = SmallVec<[Interval; 4]>;
+/// The numbers of a point side by side.
+type Point = [f64; 4];
 
-/// A number known within an error: sums of products of these are quicker than those of intervals.
-#[derive(Clone, Copy)]
-struct Within {
-    value: f64,
-    error: f64,
-}
-
-/// The factors of a sum.
-type Factors = SmallVec<[Within; 4]>;
-
-/// Some numbers side by side, with their errors.
-type Within4 = [[f64; 4]; 2];
-
-impl Within {
-    /// With what is lost by rounding in a sum of up to `terms` products with this factor: each product is rounded once,
-    /// and at most once more for each term after it.
-    fn factor(i: Interval, terms: usize) -> Self {
-        let Self { value, error } = Self::from(i);
-        let error = error + (terms + 2) as f64 * f64::EPSILON * value.abs();
-        Self {
-            value,
-            error: error * ROUND_UP,
-        }
-    }
-
-    fn from(i: Interval) -> Self {
-        let value = i.mid();
-        // The middle is rounded, unless the interval is a number.
-        let error = if i.is_point() {
-            0.0
-        } else {
-            (0.5 * i.width() + f64::EPSILON * value.abs()) * ROUND_UP
-        };
-        Self { value, error }
-    }
-}
-
-/// Covers the few roundings in sums of errors, all of them positive.
+/// Half a unit in the last place of 1.
+const ROUNDING: f64 = 0.5 * f64::EPSILON;
+/// Covers the few roundings in sums and products of errors, all of them positive.
 const ROUND_UP: f64 = 1.0 + 1e-13;
 
-/// `Σ f x`, with the error of everything.
-fn combine(factors: &[Within], x: impl Fn(usize) -> Within4) -> Within4 {
-    let [mut value, mut error] = [[0.0; 4]; 2];
-    for (k, f) in factors.iter().enumerate() {
-        let [v, e] = x(k);
-        for c in 0..4 {
-            value[c] += f.value * v[c];
-            error[c] += f.value.abs() * e[c] + f.error * (v[c].abs() + e[c]);
-        }
-    }
-    [value, error]
+/// The matrix from the points of a span to the Bézier points of one derivative over a part of it.
+struct Matrix {
+    /// A row for each Bézier point. Over a single parameter all of these are one point, and there is one row.
+    rows: SmallVec<[f64; 16]>,
+    /// No sum of the absolute terms of a row is greater.
+    size: f64,
 }
 
-/// The numbers that are within the error.
-fn interval(value: f64, error: f64) -> Interval {
-    // Products below the smallest number lose more than their share.
-    let error = error * ROUND_UP + f64::MIN_POSITIVE;
-    if value.is_finite() && error.is_finite() {
-        Interval {
-            lo: (value - error).next_down(),
-            hi: (value + error).next_up(),
-        }
-    } else {
-        Interval::ENTIRE
-    }
-}
-
-/// For one direction and a part of a span: the matrices from the points of the span to the Bézier points of each
-/// derivative.
+/// For one direction and a part of a span: the matrices of all derivatives.
+///
+/// Each number is wrong by no more than `5 p` half units in the last place of the matrix' size, with the degree p: in
+/// each of the p steps, of differences and of polar forms, a product with a quotient of differences of knots (four
+/// roundings) and a sum. Differences lose nothing, since the terms of neighbours have opposite signs.
 pub(super) struct Part {
     /// The first point of the span.
     first: usize,
-    /// `orders[i][a]` is the row of the a-th Bézier point of the i-th derivative. Over a single parameter all of these are
-    /// one point, and there is one row.
-    orders: SmallVec<[SmallVec<[Row; 4]>; 5]>,
+    /// The number of points of the span.
+    points: usize,
+    orders: SmallVec<[Matrix; 4]>,
 }
 
 impl Part {
     pub(super) fn new(basis: &BSplineBasis, t: Interval, limit: Limit, order: usize) -> Self {
         let (p, knots) = (basis.degree(), basis.knots());
-        let span = basis.span(t.mid(), limit);
-        let k = |i: usize| Interval::point(knots[i]);
-        let [lo, hi] = [t.lo, t.hi].map(Interval::point);
-        let zero: Row = SmallVec::from_elem(Interval::ZERO, p + 1);
-        // The points of the derivative, each as a row of shares of the given points.
-        let mut c: SmallVec<[Row; 4]> = (0..=p)
-            .map(|unit| {
-                let mut row = zero.clone();
-                row[unit] = Interval::ONE;
-                row
-            })
-            .collect();
-        let mut orders: SmallVec<[SmallVec<[Row; 4]>; 5]> = SmallVec::new();
+        let (points, span) = (p + 1, basis.span(t.mid(), limit));
+        // The points of the derivative, each as a row of shares of the given points, then the sum of their sizes.
+        let wide = points + 1;
+        let mut c: SmallVec<[f64; 32]> = SmallVec::from_elem(0.0, points * wide);
+        for unit in 0..points {
+            c[unit * wide + unit] = 1.0;
+            c[unit * wide + points] = 1.0;
+        }
+        let mut x = c.clone();
+        let mut orders = SmallVec::new();
         for i in 0..=order.min(p) {
             let d = p - i;
-            let rows = if t.is_point() { 1 } else { d + 1 };
-            let bezier = (0..rows).map(|a| {
-                // The polar form of degree d at d - a times lo and a times hi.
-                let mut x = c.clone();
+            let mut matrix = Matrix {
+                rows: SmallVec::new(),
+                size: 0.0,
+            };
+            for a in 0..if t.is_point() { 1 } else { d + 1 } {
+                // The polar form of degree d at d - a times the lower and a times the upper end.
+                x.copy_from_slice(&c);
                 for r in 1..=d {
-                    let at = if r > d - a { hi } else { lo };
+                    let at = if r > d - a { t.hi } else { t.lo };
                     for j in (r..=d).rev() {
-                        let from = span + j - d;
-                        let s = (at - k(from)) / (k(from + d + 1 - r) - k(from));
-                        let rest = Interval::ONE - s;
-                        for unit in 0..=p {
-                            x[j][unit] = rest * x[j - 1][unit] + s * x[j][unit];
+                        let [from, to] = [span + j - d, span + j + 1 - r].map(|k| knots[k]);
+                        let (rest, s) = ((to - at) / (to - from), (at - from) / (to - from));
+                        let (before, this) = x.split_at_mut(j * wide);
+                        let before = &before[(j - 1) * wide..];
+                        for unit in 0..points {
+                            this[unit] = rest * before[unit] + s * this[unit];
                         }
+                        this[points] = rest.abs() * before[points] + s.abs() * this[points];
                     }
                 }
-                x[d].clone()
-            });
-            orders.push(bezier.collect());
+                let row = &x[d * wide..][..wide];
+                matrix.rows.extend_from_slice(&row[..points]);
+                matrix.size = greater(matrix.size, row[points]);
+            }
+            orders.push(matrix);
             // The points of the next derivative.
             for j in 0..d {
                 let at = span + 1 + j - d;
-                let factor = Interval::point(d as f64) / (k(at + d) - k(at));
-                for unit in 0..=p {
-                    c[j][unit] = (c[j + 1][unit] - c[j][unit]) * factor;
+                let factor = d as f64 / (knots[at + d] - knots[at]);
+                let (this, next) = c[j * wide..].split_at_mut(wide);
+                for unit in 0..points {
+                    this[unit] = (next[unit] - this[unit]) * factor;
                 }
+                this[points] = (next[points] + this[points]) * factor;
             }
-            c.truncate(d.max(1));
         }
         Self {
             first: span - p,
+            points,
             orders,
         }
     }
 
     /// The share of each point of the span in the mean of the Bézier points of the part.
     fn mean(&self) -> SmallVec<[f64; 4]> {
-        let rows = &self.orders[0];
-        let share = |k: usize| rows.iter().map(|row| row[k].mid()).sum::<f64>() / rows.len() as f64;
-        (0..rows[0].len()).map(share).collect()
+        let rows = &self.orders[0].rows;
+        let count = (rows.len() / self.points) as f64;
+        let share = |k: usize| rows[k..].iter().step_by(self.points).sum::<f64>() / count;
+        (0..self.points).map(share).collect()
     }
 }
 
@@ -166,50 +123,88 @@ pub(super) fn middle(net: &[DVec4], columns: usize, [u, v]: [&Part; 2]) -> DVec4
     if sum.is_finite() { sum } else { DVec4::ZERO }
 }
 
-/// Encloses the homogeneous derivatives up to `order`, of a net whose points `point` takes from the given ones.
+/// `Σ f x`.
+#[inline(always)]
+fn combine(factors: &[f64], x: &[Point]) -> Point {
+    let mut sum = [0.0; 4];
+    for (f, x) in factors.iter().zip(x) {
+        for c in 0..4 {
+            sum[c] += f * x[c];
+        }
+    }
+    sum
+}
+
+/// Encloses the homogeneous derivatives up to `order`, of a net whose points `point` takes from the given ones, with how
+/// much each of their numbers may be off.
 pub(super) fn derivatives(
     net: &[DVec4],
     columns: usize,
     [u, v]: [&Part; 2],
-    point: impl Fn(DVec4) -> [Interval; 4],
+    point: impl Fn(DVec4) -> [Point; 2],
     order: usize,
 ) -> SmallVec<[[Interval; 4]; 16]> {
     let mut out: SmallVec<[[Interval; 4]; 16]> =
         SmallVec::from_elem([Interval::ZERO; 4], jet_len(order));
-    let [nu, nv] = [u, v].map(|part| part.orders[0][0].len());
-    let local: SmallVec<[Within4; 16]> = (0..nu * nv)
-        .map(|k| {
-            let p = point(net[(u.first + k / nv) * columns + v.first + k % nv]);
-            let p = p.map(Within::from);
-            [p.map(|x| x.value), p.map(|x| x.error)]
-        })
-        .collect();
-    let factors =
-        |row: &Row| -> Factors { row.iter().map(|&i| Within::factor(i, row.len())).collect() };
-    let along_v: SmallVec<[SmallVec<[Factors; 4]>; 5]> = v
-        .orders
-        .iter()
-        .map(|rows| rows.iter().map(factors).collect())
-        .collect();
-    for (i, rows) in u.orders.iter().enumerate() {
-        let mut first = true;
-        for row in rows {
-            let row = factors(row);
-            let half: SmallVec<[Within4; 4]> = (0..nv)
-                .map(|l| combine(&row, |k| local[k * nv + l]))
-                .collect();
-            for (j, columns) in along_v.iter().enumerate().take(order + 1 - i) {
-                let o = &mut out[jet_index(i, j)];
-                for (b, column) in columns.iter().enumerate() {
-                    let [value, error] = combine(column, |l| half[l]);
+    let (nu, nv) = (u.points, v.points);
+    // By columns, so that the points that a row of u takes lie side by side.
+    let mut local: SmallVec<[Point; 16]> = SmallVec::with_capacity(nu * nv);
+    let (mut size, mut off) = ([0.0f64; 4], [0.0f64; 4]);
+    for l in 0..nv {
+        for k in 0..nu {
+            let [x, e] = point(net[(u.first + k) * columns + v.first + l]);
+            for c in 0..4 {
+                size[c] = greater(size[c], x[c].abs());
+                off[c] = greater(off[c], e[c]);
+            }
+            local.push(x);
+        }
+    }
+    let mut half: SmallVec<[Point; 4]> = SmallVec::from_elem([0.0; 4], nv);
+    for (i, a) in u.orders.iter().enumerate() {
+        let mut hulls: SmallVec<[[Point; 2]; 4]> =
+            SmallVec::from_elem([[f64::INFINITY; 4], [f64::NEG_INFINITY; 4]], order + 1 - i);
+        for row in a.rows.chunks_exact(nu) {
+            for (half, column) in half.iter_mut().zip(local.chunks_exact(nu)) {
+                *half = combine(row, column);
+            }
+            for ([lo, hi], b) in hulls.iter_mut().zip(&v.orders) {
+                for row in b.rows.chunks_exact(nv) {
+                    let x = combine(row, &half);
                     for c in 0..4 {
-                        let p = interval(value[c], error[c]);
-                        o[c] = if first && b == 0 { p } else { o[c].hull(p) };
+                        lo[c] = if x[c] < lo[c] { x[c] } else { lo[c] };
+                        hi[c] = if x[c] > hi[c] { x[c] } else { hi[c] };
                     }
                 }
             }
-            first = false;
+        }
+        // The numbers of both matrices, and for each sum as many roundings as it has terms.
+        let roundings = (6 * (nu + nv)) as f64 * ROUNDING;
+        for (j, ([lo, hi], b)) in hulls.iter().zip(&v.orders).enumerate() {
+            let both = a.size * b.size;
+            for c in 0..4 {
+                let error = both * (roundings * size[c] + off[c]) * ROUND_UP;
+                // Products below the smallest number lose more than their share.
+                let least = f64::MIN_POSITIVE * (1.0 + size[c] + a.size + b.size);
+                out[jet_index(i, j)][c] = interval(lo[c], hi[c], error + least);
+            }
         }
     }
     out
+}
+
+/// The greater one, or NaN.
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b <= a { a } else { b }
+}
+
+/// The numbers between two others that are off by an error.
+fn interval(lo: f64, hi: f64, error: f64) -> Interval {
+    let (lo, hi) = ((lo - error).next_down(), (hi + error).next_up());
+    if lo.is_finite() && hi.is_finite() {
+        Interval { lo, hi }
+    } else {
+        Interval::ENTIRE
+    }
 }

@@ -130,14 +130,16 @@ impl NurbsSurface {
         } else {
             middle.xyz()
         };
-        let [x, y, z] = shift.to_array().map(Interval::point);
+        // With the roundings of the difference, and of the product before it.
         let point = |c: DVec4| {
-            let [cx, cy, cz, w] = c.to_array().map(Interval::point);
-            if rational {
-                [cx - x * w, cy - y * w, cz - z * w, w]
+            let moved = if rational {
+                (c.xyz() - shift * c.w).extend(c.w)
             } else {
-                [cx - x, cy - y, cz - z, Interval::ZERO]
-            }
+                (c.xyz() - shift).extend(0.0)
+            };
+            let product = if rational { shift * c.w } else { DVec3::ZERO };
+            let off = (moved.xyz().abs() + product.abs()) * f64::EPSILON;
+            [moved.to_array(), off.extend(0.0).to_array()]
         };
         let h = hull::derivatives(net, columns, parts, point, order);
         let mut r: SmallVec<[[Interval; 3]; 16]> =
