@@ -7,8 +7,8 @@
 //! *vertices*, that holds with each one also the right angles of the two triangles that share the side: these triangles
 //! have to exist. This is newest-vertex bisection (Maubach, *Local bisection refinement*, 1995).
 //!
-//! The vertices that first are corners of squares of the depths `4 b + 1` to `4 b + 4` make up the band `b`; those in a square
-//! of the depth `4 b` are 16 × 16 bits of one tile. The crossings of lines are all there, and need no bits.
+//! The vertices that first are corners of squares of the depths `3 b + 1` to `3 b + 3` make up the band `b`; those in a square
+//! of the depth `3 b` are 8 × 8 bits of one tile. The crossings of lines are all there, and need no bits.
 
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
@@ -18,14 +18,14 @@ use std::sync::Arc;
 pub(super) type Place = [u64; 2];
 
 /// How often a cell can be halved along each direction.
-pub(super) const DEPTH: u32 = 32;
+pub(super) const DEPTH: u32 = 33;
 /// The distance of neighbouring lines.
 pub(super) const CELL: u64 = 1 << DEPTH;
 
 /// The depths of one band.
-const BAND: u32 = 4;
-/// The vertices along each direction of a tile.
-const WIDE: usize = 1 << BAND;
+const BAND: u32 = 3;
+/// Gives the place of a vertex along one direction of a tile.
+const WITHIN: u64 = (1 << BAND) - 1;
 /// The number of bands: the smallest squares have no vertices inside.
 const BANDS: usize = (DEPTH / BAND) as usize;
 
@@ -100,8 +100,8 @@ impl Square {
 #[derive(Clone, Debug)]
 struct Tile {
     name: Name,
-    /// For each place along u, one bit for each place along v.
-    bits: [u16; WIDE],
+    /// One for each place, v fastest.
+    bits: u64,
 }
 
 /// The band and the place of a tile.
@@ -114,8 +114,7 @@ struct Name {
 /// Where a vertex that is no crossing of lines has its bit.
 struct Bit {
     tile: Name,
-    row: usize,
-    column: u32,
+    number: u32,
 }
 
 impl Bit {
@@ -134,31 +133,29 @@ impl Bit {
                 band,
                 at: [i >> BAND, j >> BAND],
             },
-            row: i as usize % WIDE,
-            column: j as u32 % WIDE as u32,
+            number: (((i & WITHIN) << BAND) | (j & WITHIN)) as u32,
         })
+    }
+
+    /// If it is set.
+    #[inline]
+    fn is_in(&self, bits: u64) -> bool {
+        bits >> self.number & 1 == 1
     }
 }
 
 impl Tile {
-    /// The vertices, by rows.
+    /// The vertices, v fastest.
     fn places(&self) -> impl Iterator<Item = Place> {
         let Name { band, at } = self.name;
         let shift = DEPTH - BAND * (band + 1);
-        let place = move |row: usize, column: u32| {
-            [
-                (at[0] << BAND | row as u64) << shift,
-                (at[1] << BAND | u64::from(column)) << shift,
-            ]
-        };
-        let rows = self.bits.into_iter().enumerate();
-        rows.flat_map(move |(row, mut bits)| {
-            std::iter::from_fn(move || {
-                let column = bits.trailing_zeros();
-                // Without the lowest bit.
-                bits &= bits.checked_sub(1)?;
-                Some(place(row, column))
-            })
+        let mut bits = self.bits;
+        std::iter::from_fn(move || {
+            let number = u64::from(bits.trailing_zeros());
+            // Without the lowest bit.
+            bits &= bits.checked_sub(1)?;
+            let within = [number >> BAND, number & WITHIN];
+            Some([0, 1].map(|d| (at[d] << BAND | within[d]) << shift))
         })
     }
 }
@@ -170,8 +167,8 @@ pub(super) struct Bisection {
     pub(super) lines: Arc<[Vec<f64>; 2]>,
     tiles: Vec<Tile>,
     index: FxHashMap<Name, u32>,
-    /// The tile that was used last: the next vertex is mostly in the same.
-    last: u32,
+    /// For each band the tile that was used last: the next vertex is mostly in the same.
+    last: [u32; BANDS],
     /// The number of vertices.
     count: usize,
 }
@@ -193,7 +190,7 @@ impl Bisection {
             lines,
             tiles: Vec::new(),
             index: FxHashMap::default(),
-            last: 0,
+            last: [0; BANDS],
         }
     }
 
@@ -201,12 +198,9 @@ impl Bisection {
     pub(super) fn join(&mut self, other: &Self) {
         for tile in &other.tiles {
             let own = self.tile(tile.name);
-            let mut new = 0;
-            for (own, bits) in own.bits.iter_mut().zip(tile.bits) {
-                new += (bits & !*own).count_ones() as usize;
-                *own |= bits;
-            }
-            self.count += new;
+            let new = tile.bits & !own.bits;
+            own.bits |= new;
+            self.count += new.count_ones() as usize;
         }
     }
 
@@ -229,9 +223,9 @@ impl Bisection {
         let Some(bit) = Bit::of(place) else {
             return false;
         };
-        let row = &mut self.tile(bit.tile).bits[bit.row];
-        let new = *row >> bit.column & 1 == 0;
-        *row |= 1 << bit.column;
+        let tile = self.tile(bit.tile);
+        let new = !bit.is_in(tile.bits);
+        tile.bits |= 1 << bit.number;
         self.count += usize::from(new);
         new
     }
@@ -239,16 +233,16 @@ impl Bisection {
     /// A tile that is there from now on.
     #[inline]
     fn tile(&mut self, name: Name) -> &mut Tile {
-        let at_hand = self.tiles.get(self.last as usize);
+        let last = &mut self.last[name.band as usize];
+        let at_hand = self.tiles.get(*last as usize);
         if at_hand.is_none_or(|t| t.name != name) {
             let next = self.tiles.len() as u32;
-            self.last = *self.index.entry(name).or_insert(next);
-            if self.last == next {
-                let bits = [0; WIDE];
-                self.tiles.push(Tile { name, bits });
+            *last = *self.index.entry(name).or_insert(next);
+            if *last == next {
+                self.tiles.push(Tile { name, bits: 0 });
             }
         }
-        &mut self.tiles[self.last as usize]
+        &mut self.tiles[*last as usize]
     }
 
     /// The parameter of a coordinate along u (0) or v (1).
@@ -343,37 +337,25 @@ impl Bisection {
         let [n, m] = [0, 1].map(|d| self.lines[d].len());
         let mut places = Vec::with_capacity(self.count);
         places.extend((0..n * m).map(|k| [k / m, k % m].map(|i| (i as u64) << DEPTH)));
-        let counts = self.tiles.iter().map(|tile| {
+        let first = self.tiles.iter().map(|tile| {
             let first = places.len() as u32;
             places.extend(tile.places());
-            let mut sum = 0;
-            let before = tile.bits.map(|bits| {
-                let before = sum;
-                sum += bits.count_ones() as u16;
-                before
-            });
-            Count { first, before }
+            first
         });
-        let counts = counts.collect();
+        let first = first.collect();
         Numbered {
             net: self,
-            counts,
+            first,
             places,
         }
     }
 }
 
-/// The numbers of the vertices of a tile.
-struct Count {
-    first: u32,
-    /// The vertices in the rows before each row.
-    before: [u16; WIDE],
-}
-
 /// A triangulation whose vertices have numbers.
 pub(super) struct Numbered<'a> {
     net: &'a Bisection,
-    counts: Vec<Count>,
+    /// The number of the first vertex of each tile.
+    first: Vec<u32>,
     /// All vertices by their numbers.
     pub(super) places: Vec<Place>,
 }
@@ -424,12 +406,10 @@ impl Finder<'_> {
             *last = (bit.tile.at, net.index.get(&bit.tile).copied());
         }
         let tile = last.1? as usize;
-        let Count { first, before } = &self.of.counts[tile];
-        let bits = net.tiles[tile].bits[bit.row];
-        (bits >> bit.column & 1 == 1).then(|| {
-            let below = bits & ((1 << bit.column) - 1);
-            first + u32::from(before[bit.row]) + below.count_ones()
-        })
+        let bits = net.tiles[tile].bits;
+        let below = bits & ((1 << bit.number) - 1);
+        bit.is_in(bits)
+            .then(|| self.of.first[tile] + below.count_ones())
     }
 
     fn halved(&mut self, [a, b, c]: [(Place, u32); 3], emit: &mut impl FnMut([u32; 3])) {

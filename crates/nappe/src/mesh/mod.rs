@@ -347,12 +347,11 @@ impl Task<'_> {
         points.reserve_exact(patches.iter().map(|p| p.own.len()).sum());
         let numbered = |mut p: Patch| {
             let shift = (points.len() - shared) as u32;
-            let own = |v: &&mut MeshVertex| v.point as usize >= shared;
-            p.patch
-                .vertices
-                .iter_mut()
-                .filter(own)
-                .for_each(|v| v.point += shift);
+            if shift > 0 {
+                let own = |v: &&mut MeshVertex| v.point as usize >= shared;
+                let vertices = p.patch.vertices.iter_mut();
+                vertices.filter(own).for_each(|v| v.point += shift);
+            }
             points.extend(p.own);
             p.patch
         };

@@ -5,7 +5,7 @@
 //! Each remaining triangle gets its own vertex at that point, with the normal of the middle of its opposite edge, so that
 //! the tip of a cone is shaded like its flank.
 
-use super::bisection::{Numbered, Place};
+use super::bisection::{CELL, DEPTH, Numbered, Place};
 use super::layout::{Layout, Region};
 use super::lines::{Key, index, inwards, key};
 use super::options::MeshError;
@@ -15,9 +15,10 @@ use super::{MeshPatch, MeshVertex};
 use crate::breaks::Limit;
 use crate::interval::Interval;
 use crate::parallel;
-use crate::surface::{Side, Surface, in_parallel, jet_len, normal_at, normal_from};
+use crate::surface::{Side, Surface, jet_len, normal_at, normal_from};
 use glam::DVec3;
 use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
 
 /// Shares of the way to the middle of a triangle at which a normal is looked for where not even a limit exists.
 const INWARD: [f64; 4] = [1e-6, 1e-4, 1e-2, 0.5];
@@ -74,35 +75,56 @@ struct Spot {
     number: Option<u32>,
 }
 
-/// A vertex of the net.
-#[derive(Clone, Copy, Default)]
+/// A vertex of the net on the surface: the normal is the limit from above, and zero where the tangents do not tell.
 struct Site {
     uv: [f64; 2],
-    /// The place on the surface, with the normal as the limit from above; zero where the tangents do not tell.
     place: DVec3,
     normal: DVec3,
 }
 
-/// A vertex of the net in the patch.
-#[derive(Clone, Copy, Default)]
-struct Slot {
+/// A vertex of the net on a side or between blocks: triangles there take a closer look.
+struct Special {
+    site: Site,
     point: u32,
-    /// True on sides and on lines that are one point: triangles there take a closer look.
-    special: bool,
     /// The vertex of the patch, and the block that it is one for, from 1; blocks differ in the normals on common lines.
     vertex: u32,
     block: u32,
 }
 
-/// What is known about the block being worked on.
+/// What is known about the vertices of the net and the block being worked on.
 struct Work<'a> {
     net: &'a Numbered<'a>,
-    sites: &'a [Site],
-    slots: Vec<Slot>,
+    /// For each vertex that of the patch, or [`SPECIAL`] and the number among the special ones.
+    vertices: Vec<u32>,
+    special: Vec<Special>,
     block: u32,
     range: [Interval; 2],
     /// The normal around which the triangles must be counter-clockwise, if any.
     normal: Option<DVec3>,
+}
+
+/// What numbers of special vertices have and those of others have not.
+const SPECIAL: u32 = 1 << 31;
+
+impl Work<'_> {
+    /// The special vertex of a number, or else the vertex of the patch.
+    fn special(&self, number: u32) -> Result<&Special, u32> {
+        let vertex = self.vertices[number as usize];
+        match vertex.checked_sub(SPECIAL) {
+            Some(k) => Ok(&self.special[k as usize]),
+            None => Err(vertex),
+        }
+    }
+}
+
+/// The triangles of some cells.
+#[derive(Default)]
+struct Cells {
+    /// Those without special vertices, by the vertices of the patch.
+    plain: Vec<[u32; 3]>,
+    /// The others, by those of the net.
+    special: Vec<[u32; 3]>,
+    turned_over: bool,
 }
 
 impl Builder<'_> {
@@ -110,16 +132,8 @@ impl Builder<'_> {
     pub(super) fn run(&mut self) -> Result<(), MeshError> {
         let layout = self.layout;
         let net = layout.net.numbered();
-        let sites = self.sites(&net);
-        let mut work = Work {
-            slots: self.slots(&net, &sites)?,
-            net: &net,
-            sites: &sites,
-            range: [Interval::ZERO; 2],
-            normal: None,
-            block: 0,
-        };
-        self.patch.vertices.reserve(net.places.len());
+        let mut work = self.vertices(&net)?;
+        let plain = self.patch.vertices.len();
         self.patch.triangles.reserve(2 * net.places.len());
         for region in &layout.regions {
             let [i, j] = region.block;
@@ -128,6 +142,7 @@ impl Builder<'_> {
             work.normal = region.normal;
             self.region(region, &mut work)?;
         }
+        self.find_normals(plain);
         self.complete_normals();
         Ok(())
     }
@@ -137,49 +152,119 @@ impl Builder<'_> {
         if count < LIST { 1 } else { self.threads }
     }
 
-    /// Evaluates all vertices of the net.
-    fn sites(&self, net: &Numbered) -> Vec<Site> {
-        let count = net.places.len();
-        let mut sites = vec![Site::default(); count];
-        let fill = |places: &[Place], out: &mut [Site]| {
-            let mut jets = vec![[DVec3::ZERO; jet_len(1)]; AT_ONCE.min(places.len())];
-            for (places, out) in places.chunks(AT_ONCE).zip(out.chunks_mut(AT_ONCE)) {
-                let uv: Vec<[f64; 2]> = places.iter().map(|&p| self.layout.net.uv(p)).collect();
-                let jets = &mut jets[..uv.len()];
-                if count < LIST {
-                    for (uv, jet) in uv.iter().zip(&mut *jets) {
-                        self.surface.jet_into(*uv, [Limit::Above; 2], 1, jet);
-                    }
-                } else {
-                    self.surface.jets(&uv, 1, jets.as_flattened_mut());
-                }
-                for ((uv, jet), out) in uv.into_iter().zip(&*jets).zip(out) {
-                    let normal = normal_from(self.surface, uv, [Limit::Above; 2], jet);
-                    *out = Site {
-                        uv,
-                        place: jet[0],
-                        normal: normal.vector().unwrap_or(DVec3::ZERO),
-                    };
-                }
-            }
+    /// Makes the vertices of the patch that are inside of blocks, and gives the others their points.
+    fn vertices<'n>(&mut self, net: &'n Numbered) -> Result<Work<'n>, MeshError> {
+        let layout = self.layout;
+        let cuts = [0, 1].map(|d| -> Vec<bool> {
+            let blocks = &layout.blocks[d];
+            let is_cut = |t: &f64| {
+                let above = blocks.partition_point(|b| b.hi < *t);
+                blocks.get(above).is_none_or(|b| b.lo >= *t || b.hi <= *t)
+            };
+            layout.net.lines[d].iter().map(is_cut).collect()
+        });
+        let is_special = |place: &Place| {
+            (0..2).any(|d| place[d] % CELL == 0 && cuts[d][(place[d] >> DEPTH) as usize])
         };
-        in_parallel(self.threads_for(count), &net.places, 1, &mut sites, fill);
-        sites
+        let (mut plain, mut special) = (Vec::with_capacity(net.places.len()), Vec::new());
+        let number = |place: &Place| {
+            let (list, first) = if is_special(place) {
+                (&mut special, SPECIAL)
+            } else {
+                (&mut plain, 0)
+            };
+            list.push(*place);
+            first + list.len() as u32 - 1
+        };
+        let vertices = net.places.iter().map(number).collect();
+        self.plain(&plain)?;
+        let few = net.places.len() < LIST;
+        let mut work = Work {
+            net,
+            vertices,
+            special: Vec::with_capacity(special.len()),
+            range: [Interval::ZERO; 2],
+            normal: None,
+            block: 0,
+        };
+        for places in special.chunks(AT_ONCE) {
+            let sites: Vec<Site> = self.sites(places, few).collect();
+            for (&place, site) in places.iter().zip(sites) {
+                work.special.push(Special {
+                    point: self.point(site.uv, self.is_on_side(place), site.place)?,
+                    site,
+                    vertex: 0,
+                    block: 0,
+                });
+            }
+        }
+        Ok(work)
     }
 
-    /// Gives each vertex of the net its point.
-    fn slots(&mut self, net: &Numbered, sites: &[Site]) -> Result<Vec<Slot>, MeshError> {
-        let mut slots = Vec::with_capacity(sites.len());
-        self.own.reserve(sites.len());
-        for (&place, site) in net.places.iter().zip(sites) {
-            let on_side = self.is_on_side(place);
-            slots.push(Slot {
-                point: self.point(site.uv, on_side, site.place)?,
-                special: on_side || self.tip(site.uv).is_some(),
-                ..Slot::default()
-            });
+    /// Makes the vertices of the patch, and points of its own, at places inside of blocks.
+    fn plain(&mut self, places: &[Place]) -> Result<(), MeshError> {
+        const NONE: MeshVertex = MeshVertex {
+            point: 0,
+            uv: [0.0; 2],
+            normal: DVec3::ZERO,
+        };
+        let mut vertices = vec![NONE; places.len()];
+        let mut own = vec![DVec3::ZERO; places.len()];
+        let first = self.shared.len();
+        let few = places.len() < LIST;
+        let parts = places.chunks(AT_ONCE).zip(vertices.chunks_mut(AT_ONCE));
+        let parts = parts.zip(own.chunks_mut(AT_ONCE)).enumerate();
+        let (count, parts) = (parts.len(), Mutex::new(parts));
+        let fill = |_| {
+            // A panic elsewhere reaches the caller; the list of parts is still whole.
+            let next = parts.lock().unwrap_or_else(PoisonError::into_inner).next();
+            let (k, ((places, vertices), own)) = next?;
+            let of = self.sites(places, few).zip(vertices).zip(own);
+            for (point, ((site, vertex), own)) in (first + k * AT_ONCE..).zip(of) {
+                *vertex = MeshVertex {
+                    point: point as u32,
+                    uv: site.uv,
+                    normal: site.normal,
+                };
+                *own = site.place;
+            }
+            Some(())
+        };
+        parallel::each(self.threads_for(places.len()), count, fill, |_| false);
+        if let Some(k) = own.iter().position(|p| !p.is_finite()) {
+            return Err(self.not_finite(vertices[k].uv));
         }
-        Ok(slots)
+        self.patch.vertices = vertices;
+        self.own = own;
+        Ok(())
+    }
+
+    /// Evaluates vertices of the net.
+    fn sites(&self, places: &[Place], few: bool) -> impl Iterator<Item = Site> {
+        let uv: Vec<[f64; 2]> = places.iter().map(|&p| self.layout.net.uv(p)).collect();
+        let mut jets = vec![[DVec3::ZERO; jet_len(1)]; uv.len()];
+        if few {
+            for (uv, jet) in uv.iter().zip(&mut jets) {
+                self.surface.jet_into(*uv, [Limit::Above; 2], 1, jet);
+            }
+        } else {
+            self.surface.jets(&uv, 1, jets.as_flattened_mut());
+        }
+        uv.into_iter().zip(jets).map(|(uv, jet)| {
+            let normal = normal_from(self.surface, uv, [Limit::Above; 2], &jet);
+            Site {
+                uv,
+                place: jet[0],
+                normal: normal.vector().unwrap_or(DVec3::ZERO),
+            }
+        })
+    }
+
+    fn not_finite(&self, uv: [f64; 2]) -> MeshError {
+        MeshError::NotFinite {
+            surface: self.index,
+            uv,
+        }
     }
 
     fn is_on_side(&self, place: Place) -> bool {
@@ -205,10 +290,7 @@ impl Builder<'_> {
     /// The point for a place, that of other surfaces if it is shared; `p` is the surface's own.
     fn point(&mut self, uv: [f64; 2], on_side: bool, p: DVec3) -> Result<u32, MeshError> {
         if !p.is_finite() {
-            return Err(MeshError::NotFinite {
-                surface: self.index,
-                uv,
-            });
+            return Err(self.not_finite(uv));
         }
         let line = self.tip(uv);
         let shared = on_side.then(|| self.on_sides.get(&key(uv)).copied());
@@ -235,39 +317,58 @@ impl Builder<'_> {
     /// Makes the triangles of a rectangle of cells.
     fn region(&mut self, region: &Region, work: &mut Work) -> Result<(), MeshError> {
         let cells: Vec<[usize; 2]> = region.each().collect();
-        let threads = self.threads_for(work.sites.len());
-        let each = 2 * work.sites.len() / cells.len().max(1);
+        let count = work.vertices.len();
+        let threads = self.threads_for(count);
+        let each = 2 * count / cells.len().max(1);
         let share = (SHARE / each.max(1)).max(1);
         // So many at a time that what they wait in stays small, but for cells of very many triangles.
         for cells in cells.chunks(share * SHARES) {
             let shares: Vec<_> = cells.chunks(share).collect();
-            let of = |k: usize| {
-                let mut all = Vec::new();
-                for &cell in shares[k] {
-                    work.net.triangles(cell, |t| all.push(t));
-                }
-                all
-            };
-            let all = parallel::each(threads, shares.len(), of, |_| false);
-            for t in all.into_iter().flatten() {
-                let special = |k: u32| work.slots[k as usize].special;
-                if work.normal.is_some() || t.into_iter().any(special) {
+            let of = |k: usize| self.cells(shares[k], work);
+            for share in parallel::each(threads, shares.len(), of, |_| false) {
+                self.turned_over |= share.turned_over;
+                self.patch.triangles.extend(share.plain);
+                for t in share.special {
                     self.special(t, work)?;
-                } else {
-                    let middle = || middle(t.map(|k| work.sites[k as usize].uv));
-                    let vertices = t.map(|k| self.net_vertex(k, middle, work));
-                    self.patch.triangles.push(vertices);
                 }
             }
         }
         Ok(())
     }
 
+    /// The triangles of some cells.
+    fn cells(&self, cells: &[[usize; 2]], work: &Work) -> Cells {
+        let mut out = Cells::default();
+        let net = work.net;
+        for &cell in cells {
+            net.triangles(cell, |t| {
+                let vertices = t.map(|k| work.vertices[k as usize]);
+                if vertices.iter().any(|&v| v >= SPECIAL) {
+                    return out.special.push(t);
+                }
+                if let Some(normal) = work.normal
+                    && is_halved(t.map(|k| net.places[k as usize]))
+                {
+                    let at = vertices.map(|v| self.own[v as usize]);
+                    out.turned_over |= !is_turned(at, normal, self.rounding);
+                }
+                out.plain.push(vertices);
+            });
+        }
+        out
+    }
+
     /// Makes a triangle that may have further vertices on an edge, or two corners at one point, or the wrong orientation.
     fn special(&mut self, t: [u32; 3], work: &mut Work) -> Result<(), MeshError> {
         let corners = t.map(|k| {
-            let (site, slot) = (&work.sites[k as usize], &work.slots[k as usize]);
-            self.spot(site.uv, slot.point, Some(k))
+            let (uv, point) = match work.special(k) {
+                Ok(special) => (special.site.uv, special.point),
+                Err(vertex) => {
+                    let MeshVertex { uv, point, .. } = self.patch.vertices[vertex as usize];
+                    (uv, point)
+                }
+            };
+            self.spot(uv, point, Some(k))
         });
         let places = t.map(|k| work.net.places[k as usize]);
         // Further vertices are on one side at most, see `Layout::open_corners`.
@@ -278,12 +379,7 @@ impl Builder<'_> {
             Some((k, side, params))
         });
         let Some((k, side, params)) = further else {
-            // The edges of triangles of the net of lines run along u and v.
-            let halved = places
-                .iter()
-                .flatten()
-                .any(|x| x % super::bisection::CELL != 0);
-            self.triangle(corners, halved, work);
+            self.triangle(corners, is_halved(places), work);
             return Ok(());
         };
         let mut chain = vec![corners[k]];
@@ -328,7 +424,10 @@ impl Builder<'_> {
         if let Some(normal) = work.normal.filter(|_| check) {
             // The bound is for triangles with their corners on the surface.
             let at = corners.map(|c| match c.number {
-                Some(k) => work.sites[k as usize].place,
+                Some(k) => match work.special(k) {
+                    Ok(special) => special.site.place,
+                    Err(vertex) => self.own[vertex as usize],
+                },
                 None => self.surface.point(c.uv),
             });
             self.turned_over |= !is_turned(at, normal, self.rounding);
@@ -355,25 +454,29 @@ impl Builder<'_> {
     }
 
     /// The vertex of the patch for a vertex of the net, in this block; `middle` is that of a triangle there.
-    #[inline]
     fn net_vertex(&mut self, k: u32, middle: impl Fn() -> [f64; 2], work: &mut Work) -> u32 {
-        let slot = work.slots[k as usize];
-        if slot.block == work.block {
-            return slot.vertex;
+        let &Special {
+            ref site,
+            point,
+            vertex,
+            block,
+        } = match work.special(k) {
+            Ok(special) => special,
+            Err(vertex) => return vertex,
+        };
+        if block == work.block {
+            return vertex;
         }
-        let site = &work.sites[k as usize];
         let above = inwards(site.uv, work.range) == [Limit::Above; 2];
         let normal = if above && site.normal != DVec3::ZERO {
             site.normal
         } else {
             self.normal(site.uv, middle(), work.range)
         };
-        let vertex = self.new_vertex(slot.point, site.uv, normal);
-        work.slots[k as usize] = Slot {
-            vertex,
-            block: work.block,
-            ..slot
-        };
+        let vertex = self.new_vertex(point, site.uv, normal);
+        let number = work.vertices[k as usize] - SPECIAL;
+        let special = &mut work.special[number as usize];
+        (special.vertex, special.block) = (vertex, work.block);
         vertex
     }
 
@@ -385,20 +488,43 @@ impl Builder<'_> {
     /// The unit normal, as the limit from inside the block; zero where none is found.
     fn normal(&self, uv: [f64; 2], middle: [f64; 2], range: [Interval; 2]) -> DVec3 {
         let limit = inwards(uv, range);
-        let at = |uv: [f64; 2]| normal_at(self.surface, uv, limit).vector();
-        at(uv)
-            .or_else(|| {
-                INWARD
-                    .into_iter()
-                    .find_map(|f| at([0, 1].map(|d| uv[d] + f * (middle[d] - uv[d]))))
-            })
-            .unwrap_or(DVec3::ZERO)
+        let normal = normal_at(self.surface, uv, limit).vector();
+        normal.unwrap_or_else(|| self.normal_near(uv, middle, limit))
+    }
+
+    /// The unit normal near a place where there is none, towards the middle of a triangle; zero where none is found.
+    fn normal_near(&self, uv: [f64; 2], middle: [f64; 2], limit: [Limit; 2]) -> DVec3 {
+        let near = INWARD.map(|f| [0, 1].map(|d| uv[d] + f * (middle[d] - uv[d])));
+        let normal = |uv: [f64; 2]| normal_at(self.surface, uv, limit).vector();
+        near.into_iter().find_map(normal).unwrap_or(DVec3::ZERO)
+    }
+
+    /// Looks for normals near those of the first vertices that have none; for special ones that has been done.
+    fn find_normals(&mut self, plain: usize) {
+        if !self.lacks_normals() {
+            return;
+        }
+        for k in 0..self.patch.triangles.len() {
+            let t = self.patch.triangles[k].map(|v| v as usize);
+            for v in t {
+                if v < plain && self.patch.vertices[v].normal == DVec3::ZERO {
+                    let middle = middle(t.map(|v| self.patch.vertices[v].uv));
+                    let uv = self.patch.vertices[v].uv;
+                    self.patch.vertices[v].normal =
+                        self.normal_near(uv, middle, [Limit::Above; 2]);
+                }
+            }
+        }
+    }
+
+    fn lacks_normals(&self) -> bool {
+        let lacks = |v: &MeshVertex| v.normal == DVec3::ZERO;
+        self.patch.vertices.iter().any(lacks)
     }
 
     /// Gives vertices without a normal the mean of those of their triangles, weighted by area.
     fn complete_normals(&mut self) {
-        let missing = |v: &MeshVertex| v.normal == DVec3::ZERO;
-        if !self.patch.vertices.iter().any(missing) {
+        if !self.lacks_normals() {
             return;
         }
         let mut sums = vec![DVec3::ZERO; self.patch.vertices.len()];
@@ -410,11 +536,16 @@ impl Builder<'_> {
             }
         }
         for (v, sum) in self.patch.vertices.iter_mut().zip(sums) {
-            if missing(v) {
+            if v.normal == DVec3::ZERO {
                 v.normal = sum.normalize_or(DVec3::Z);
             }
         }
     }
+}
+
+/// True for triangles that are not of the net of lines, whose edges run along u and v.
+fn is_halved(corners: [Place; 3]) -> bool {
+    corners.as_flattened().iter().any(|x| x % CELL != 0)
 }
 
 /// The middle of a triangle.
