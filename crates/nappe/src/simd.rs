@@ -14,6 +14,8 @@ use pulp::{
     bytemuck::cast,
     x86::{V3, V4},
 };
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::_CMP_GT_OQ;
 use std::ops::{Add, Div, Mul, Sub};
 
 /// The length of a register of [`Quads`]: that of AVX2, and the number of homogeneous coordinates of a point.
@@ -58,8 +60,16 @@ pub(crate) trait Registers: Copy {
     ) -> Self::Register {
         self.div(a, b)
     }
+    fn abs(self, a: Self::Register) -> Self::Register;
     /// True if `a > b` in all lanes.
     fn all_greater(self, a: Self::Register, b: Self::Register) -> bool;
+    /// In lanes where `a > b` the first of two numbers, else the second one.
+    fn where_greater(
+        self,
+        a: Self::Register,
+        b: Self::Register,
+        of: [Self::Register; 2],
+    ) -> Self::Register;
     /// Points from their coordinates: `x0 y0 z0 x1 …`.
     fn interleave(self, x: [Self::Register; 3]) -> [Self::Array; 3];
     /// Pairs of vectors from their coordinates: `x0 y0 z0 a0 b0 c0 x1 …`.
@@ -126,8 +136,16 @@ impl Registers for Plain {
         [a[0].sqrt(), a[1].sqrt(), a[2].sqrt(), a[3].sqrt()]
     }
     #[inline(always)]
+    fn abs(self, a: [f64; 4]) -> [f64; 4] {
+        a.map(f64::abs)
+    }
+    #[inline(always)]
     fn all_greater(self, a: [f64; 4], b: [f64; 4]) -> bool {
         (a[0] > b[0]) & (a[1] > b[1]) & (a[2] > b[2]) & (a[3] > b[3])
+    }
+    #[inline(always)]
+    fn where_greater(self, a: [f64; 4], b: [f64; 4], [x, y]: [[f64; 4]; 2]) -> [f64; 4] {
+        std::array::from_fn(|l| if a[l] > b[l] { x[l] } else { y[l] })
     }
     #[inline(always)]
     fn interleave(self, [x, y, z]: [[f64; 4]; 3]) -> [[f64; 4]; 3] {
@@ -147,6 +165,75 @@ impl Registers for Plain {
             [b[2], c[2], x[3], y[3]],
             [z[3], a[3], b[3], c[3]],
         ]
+    }
+}
+
+/// One number: for formulas that are written for registers and wanted for a single place as well.
+#[derive(Clone, Copy)]
+pub(crate) struct Single;
+
+impl Registers for Single {
+    type Register = f64;
+    type Array = [f64; 1];
+    #[inline(always)]
+    fn arrays(x: &[f64]) -> &[[f64; 1]] {
+        x.as_chunks().0
+    }
+    #[inline(always)]
+    fn arrays_mut(x: &mut [f64]) -> &mut [[f64; 1]] {
+        x.as_chunks_mut().0
+    }
+    #[inline(always)]
+    fn load(self, [x]: [f64; 1]) -> f64 {
+        x
+    }
+    #[inline(always)]
+    fn store(self, x: f64) -> [f64; 1] {
+        [x]
+    }
+    #[inline(always)]
+    fn splat(self, x: f64) -> f64 {
+        x
+    }
+    #[inline(always)]
+    fn add(self, a: f64, b: f64) -> f64 {
+        a + b
+    }
+    #[inline(always)]
+    fn sub(self, a: f64, b: f64) -> f64 {
+        a - b
+    }
+    #[inline(always)]
+    fn mul(self, a: f64, b: f64) -> f64 {
+        a * b
+    }
+    #[inline(always)]
+    fn div(self, a: f64, b: f64) -> f64 {
+        a / b
+    }
+    #[inline(always)]
+    fn sqrt(self, a: f64) -> f64 {
+        a.sqrt()
+    }
+    #[inline(always)]
+    fn abs(self, a: f64) -> f64 {
+        a.abs()
+    }
+    #[inline(always)]
+    fn all_greater(self, a: f64, b: f64) -> bool {
+        a > b
+    }
+    #[inline(always)]
+    fn where_greater(self, a: f64, b: f64, [x, y]: [f64; 2]) -> f64 {
+        if a > b { x } else { y }
+    }
+    #[inline(always)]
+    fn interleave(self, x: [f64; 3]) -> [[f64; 1]; 3] {
+        x.map(|x| [x])
+    }
+    #[inline(always)]
+    fn interleave_pairs(self, x: [f64; 6]) -> [[f64; 1]; 6] {
+        x.map(|x| [x])
     }
 }
 
@@ -204,10 +291,23 @@ impl Registers for V3 {
     x86!(__m256d, 4, avx, _mm256_set1_pd _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd);
 
     #[inline(always)]
+    fn abs(self, a: Self::Register) -> Self::Register {
+        self.avx._mm256_andnot_pd(self.splat(-0.0), a)
+    }
+    #[inline(always)]
     fn all_greater(self, a: Self::Register, b: Self::Register) -> bool {
-        use std::arch::x86_64::_CMP_GT_OQ;
         let greater = self.avx._mm256_cmp_pd::<_CMP_GT_OQ>(a, b);
         self.avx._mm256_movemask_pd(greater) == 0b1111
+    }
+    #[inline(always)]
+    fn where_greater(
+        self,
+        a: Self::Register,
+        b: Self::Register,
+        [x, y]: [Self::Register; 2],
+    ) -> Self::Register {
+        let greater = self.avx._mm256_cmp_pd::<_CMP_GT_OQ>(a, b);
+        self.avx._mm256_blendv_pd(y, x, greater)
     }
     #[inline(always)]
     fn interleave(self, [x, y, z]: [Self::Register; 3]) -> [[f64; 4]; 3] {
@@ -261,9 +361,22 @@ impl Registers for V4 {
         q
     }
     #[inline(always)]
+    fn abs(self, a: Self::Register) -> Self::Register {
+        self.avx512f._mm512_abs_pd(a)
+    }
+    #[inline(always)]
     fn all_greater(self, a: Self::Register, b: Self::Register) -> bool {
-        use std::arch::x86_64::_CMP_GT_OQ;
         self.avx512f._mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, b) == 0xFF
+    }
+    #[inline(always)]
+    fn where_greater(
+        self,
+        a: Self::Register,
+        b: Self::Register,
+        [x, y]: [Self::Register; 2],
+    ) -> Self::Register {
+        let greater = self.avx512f._mm512_cmp_pd_mask::<_CMP_GT_OQ>(a, b);
+        self.avx512f._mm512_mask_blend_pd(greater, y, x)
     }
     #[inline(always)]
     fn interleave(self, [x, y, z]: [Self::Register; 3]) -> [[f64; 8]; 3] {
@@ -345,6 +458,41 @@ impl<R: Registers> Lanes<R> {
         Self(self.0, self.0.div_by(self.1, other.1, inverse.1))
     }
 
+    /// The numbers of a slice, which is a register long.
+    #[inline(always)]
+    pub(crate) fn load(r: R, x: &[f64]) -> Self {
+        Self(r, r.load(R::arrays(x)[0]))
+    }
+
+    #[inline(always)]
+    pub(crate) fn store(self, out: &mut [f64]) {
+        R::arrays_mut(out)[0] = self.0.store(self.1);
+    }
+
+    #[inline(always)]
+    pub(crate) fn abs(self) -> Self {
+        Self(self.0, self.0.abs(self.1))
+    }
+
+    /// In each lane the greater one; `other` where one is NaN.
+    #[inline(always)]
+    pub(crate) fn max(self, other: Self) -> Self {
+        self.where_greater(other, [self, other])
+    }
+
+    /// In each lane the smaller one; `self` where one is NaN.
+    #[inline(always)]
+    pub(crate) fn min(self, other: Self) -> Self {
+        self.where_greater(other, [other, self])
+    }
+
+    /// In lanes that are greater than those of `other` the first of two numbers, else the second one.
+    #[inline(always)]
+    pub(crate) fn where_greater(self, other: Self, of: [Self; 2]) -> Self {
+        let [x, y] = [of[0].1, of[1].1];
+        Self(self.0, self.0.where_greater(self.1, other.1, [x, y]))
+    }
+
     /// True if all lanes are greater than those of `other`.
     #[inline(always)]
     pub(crate) fn exceeds(self, other: Self) -> bool {
@@ -364,10 +512,34 @@ macro_rules! operator {
     };
 }
 
+impl<R: Registers> Mul<f64> for Lanes<R> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: f64) -> Self {
+        self * Self::splat(self.0, factor)
+    }
+}
+
 operator!(Add add);
 operator!(Sub sub);
 operator!(Mul mul);
 operator!(Div div);
+
+/// `a · b`, summed as [`DVec3::dot`](glam::DVec3::dot) does.
+#[inline(always)]
+pub(crate) fn dot<R: Registers>(a: &[Lanes<R>; 3], b: &[Lanes<R>; 3]) -> Lanes<R> {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// `a × b`, as [`DVec3::cross`](glam::DVec3::cross).
+#[inline(always)]
+pub(crate) fn cross<R: Registers>(a: &[Lanes<R>; 3], b: &[Lanes<R>; 3]) -> [Lanes<R>; 3] {
+    [
+        a[1] * b[2] - b[1] * a[2],
+        a[2] * b[0] - b[2] * a[0],
+        a[0] * b[1] - b[0] * a[1],
+    ]
+}
 
 /// A computation with [`Registers`] of any kind; `run` must be inlined.
 pub(crate) trait Kernel {

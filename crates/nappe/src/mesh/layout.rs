@@ -676,10 +676,10 @@ impl Halved {
     ) -> Option<Self> {
         let depth = (level - 1) / SETTLED;
         let n = 1 << depth;
-        let grain = grain * f64::from(n);
+        let grain = grain * n as f64;
         let mut out = Self {
             depth,
-            levels: Vec::with_capacity(n as usize * n as usize),
+            levels: Vec::with_capacity(n * n),
             triangles: 0.0,
             deviation: 0.0,
         };

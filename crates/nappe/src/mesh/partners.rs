@@ -49,9 +49,11 @@ use super::slide::{NEGLIGIBLE, Tip, frame, tip};
 use crate::ball::{Ball, Ball3};
 use crate::box3::Box3;
 use crate::interval::Interval;
+use crate::simd::{Lanes, Registers, Single};
 use crate::surface::Surface;
 use glam::DMat3;
 use smallvec::{SmallVec, smallvec};
+use std::ops::{Add, Mul};
 
 /// The neighbourhood of a square in which partners are looked for, as a share of its size.
 const ROOM: f64 = 1.0 / 16.0;
@@ -77,7 +79,7 @@ impl Bound {
     pub(super) fn deviation(&self, level: u32, grain: f64, tol: f64) -> Option<f64> {
         let odd = level as usize % 2;
         let q = share(level) + grain;
-        let added = self.added[odd] * q.powi(4);
+        let added = self.added[odd] * (q * q * q * q);
         // Smaller triangles may be nearer to where second derivatives are greater; from the second bisection on, they all
         // are.
         let here = self.linear(level, grain, 1.0 - share(level) + 4.0 * grain);
@@ -117,11 +119,11 @@ pub(super) fn greatest_of(all: impl IntoIterator<Item = f64>) -> f64 {
 
 /// The size of the triangles' legs, as a share of the square's, after an even number of bisections.
 fn share(level: u32) -> f64 {
-    (0.5f64).powi(level as i32 / 2)
+    1.0 / (1u64 << (level / 2)) as f64
 }
 
 /// The second derivatives of a function along the sides of a rectangle: `uu Δu²`, `uv Δu Δv`, `vv Δv²`.
-pub(super) struct Form(pub(super) [Ball; 3]);
+pub(super) struct Form([Ball; 3]);
 
 /// The sides of the triangles that are an even and an odd number of times bisected, in units of the rectangle.
 const SIDES: [[[[f64; 2]; 3]; 2]; 2] = [
@@ -136,69 +138,83 @@ const SIDES: [[[[f64; 2]; 3]; 2]; 2] = [
 ];
 
 /// The sum in Popoviciu's inequality for triangles that are an even and an odd number of times bisected.
-pub(super) fn popoviciu([uu, uv, vv]: [f64; 3]) -> [f64; 2] {
+pub(super) fn popoviciu(q: [f64; 3]) -> [f64; 2] {
+    singly(q, rest)
+}
+
+/// The same for several functions.
+#[inline(always)]
+pub(super) fn rest<R: Registers>([uu, uv, vv]: [Lanes<R>; 3]) -> [Lanes<R>; 2] {
     [
-        0.125 * (uu + 2.0 * uv + vv),
-        0.125 * (uu + uv + 0.25 * vv).max(0.25 * uu + uv + vv),
+        (uu + uv * 2.0 + vv) * 0.125,
+        ((uu + uv + vv * 0.25) * 0.125).max((uu * 0.25 + uv + vv) * 0.125),
     ]
 }
 
+/// A formula for one function.
+fn singly(
+    q: [f64; 3],
+    of: impl Fn([Lanes<Single>; 3]) -> [Lanes<Single>; 2],
+) -> [f64; 2] {
+    of(q.map(|x| Lanes(Single, x))).map(|x| x.1)
+}
+
 impl Form {
-    /// The greatest error of interpolation, for triangles that are an even and an odd number of times bisected.
+    /// The greatest error of interpolation, for triangles that are an even and an odd number of times bisected: that of the
+    /// middles, and what the radii add.
     fn error(&self) -> [f64; 2] {
-        let (middle, rest) = (self.middle(), self.rest());
+        let middle = singly(self.0.map(|q| q.mid), middle);
+        let rest = popoviciu(self.0.map(|q| q.rad));
         [0, 1].map(|k| middle[k] + rest[k])
     }
+}
 
-    /// What the radii add to the error.
-    pub(super) fn rest(&self) -> [f64; 2] {
-        popoviciu(self.0.map(|q| q.rad))
+/// The greatest error of interpolation for constant second derivatives of several functions, for triangles that are an even
+/// and an odd number of times bisected.
+#[inline(always)]
+pub(super) fn middle<R: Registers>([u, c, v]: [Lanes<R>; 3]) -> [Lanes<R>; 2] {
+    let zero = Lanes::splat(u.0, 0.0);
+    let (mean, deviator) = ((u + v) * 0.5, (u - v) * 0.5);
+    let half = (deviator * deviator + c * c).sqrt();
+    let (upper, lower) = (mean + half, mean - half);
+    let mut worst = [zero; 2];
+    for (worst, kinds) in worst.iter_mut().zip(SIDES) {
+        for sides in kinds {
+            let mut same = [zero; 3];
+            let (mut most, mut least) = (zero, zero);
+            for k in 0..3 {
+                let [x, y] = sides[k];
+                same[k] = (u * (x * x) + c * (2.0 * x * y) + v * (y * y)).abs();
+                // The projections on the eigenvectors: a half of the unit form and of the form without its mean.
+                let unit = Lanes::splat(u.0, x * x + y * y);
+                let turned = (deviator * (x * x - y * y) + c * (2.0 * x * y)) / half;
+                most = most.max(unit + turned);
+                least = least.max(unit - turned);
+            }
+            let opposite = (upper.abs() * most).max(lower.abs() * least) * 0.0625;
+            *worst = worst.max(zero.where_greater(upper * lower, [opposite, spread(same)]));
+        }
     }
+    worst
+}
 
-    /// The error of the form in the middle.
-    pub(super) fn middle(&self) -> [f64; 2] {
-        let [u, c, v] = self.0.map(|q| q.mid);
-        let (mean, half) = (0.5 * (u + v), length2(0.5 * (u - v), c));
-        let (upper, lower) = (mean + half, mean - half);
-        SIDES.map(|kinds| {
-            let of = |sides: [[f64; 2]; 3]| {
-                if upper * lower >= 0.0 {
-                    let q = sides.map(|[x, y]| (u * x * x + 2.0 * c * x * y + v * y * y).abs());
-                    spread(q)
-                } else {
-                    // The projections on the eigenvectors: a half of the unit form and of the form without its mean.
-                    let part = |eigenvalue: f64, sign: f64| {
-                        let q = sides.map(|[x, y]| {
-                            let deviator = 0.5 * (u - v) * (x * x - y * y) + 2.0 * c * x * y;
-                            0.5 * eigenvalue.abs() * (x * x + y * y + sign * deviator / half)
-                        });
-                        0.125 * q[0].max(q[1]).max(q[2])
-                    };
-                    part(upper, 1.0).max(part(lower, -1.0))
-                }
-            };
-            of(kinds[0]).max(of(kinds[1]))
-        })
-    }
+/// The greatest error of linear interpolation of a convex quadratic function on a triangle, from the squares of its sides
+/// in the measure of the second derivative.
+#[inline(always)]
+fn spread<R: Registers>([a, b, c]: [Lanes<R>; 3]) -> Lanes<R> {
+    let (least, other) = (a.min(b), a.max(b));
+    let (middle, longest) = (other.min(c), other.max(c));
+    // Acute triangles need half the square of the radius of the circle around them. This way the area of thin ones is not
+    // lost in rounding.
+    let acute = least + middle - longest;
+    let area = least * middle * 4.0 - acute * acute;
+    let around = least * middle * longest * 0.5 / area;
+    acute.where_greater(Lanes::splat(a.0, 0.0), [around, longest * 0.125])
 }
 
 /// Quicker than what avoids overflow: beyond that there is no bound.
 pub(super) fn length2(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
-}
-
-/// The greatest error of linear interpolation of a convex quadratic function on a triangle, from the squares of its sides
-/// in the measure of the second derivative.
-fn spread(mut q: [f64; 3]) -> f64 {
-    q.sort_by(f64::total_cmp);
-    let [a, b, c] = q;
-    if c >= a + b {
-        0.125 * c
-    } else {
-        // Half the square of the radius of the circle around it.
-        let area = 2.0 * (a * b + b * c + c * a) - (a * a + b * b + c * c);
-        0.5 * a * b * c / area
-    }
 }
 
 /// A rectangle with its surroundings.
@@ -278,7 +294,7 @@ impl Framed {
     /// Partners along the normal; `local` is what is known about the square itself.
     fn inside(&self, place: &Place, local: Option<&Local>) -> Bound {
         if let Some(local) = local {
-            return Parts::new(self, place, local, 1).bounds([0.0; 2])[0];
+            return Parts::new(self, place, local, 1).whole();
         }
         let Self { sized, normal, .. } = self;
         let least = normal.z.lo();
@@ -286,9 +302,15 @@ impl Framed {
         let [x, y, z] = self.errors();
         let [a, b] = sized.first.map(|x| length2(x.x.mag(), x.y.mag()));
         let moved = [0, 1].map(|k| length2(x[k], y[k]) / least);
+        let single = |x| Lanes(Single, x);
+        let (norms, first) = (sized.norms().map(single), [a, b].map(single));
+        let partners = partners(norms, first, moved.map(single), room(place).map(single));
+        let [added, slip] = partners.map(|both| both.map(|x| x.1));
         Bound {
             error: [0, 1].map(|k| z[k] + mx * x[k] + my * y[k]),
-            ..partners(sized.norms(), [a, b], moved, room(place))
+            added,
+            slip,
+            ..Bound::default()
         }
     }
 
@@ -298,19 +320,20 @@ impl Framed {
     }
 }
 
-/// Partners along a normal, `moved` times the other direction's first derivative away along each direction.
-pub(super) fn partners(
-    norms: [f64; 3],
-    [a, b]: [f64; 2],
-    moved: [f64; 2],
-    room: [f64; 2],
-) -> Bound {
+/// Partners along a normal, `moved` times the other direction's first derivative away along each direction: what they add,
+/// and how far they slip.
+#[inline(always)]
+pub(super) fn partners<R: Registers>(
+    norms: [Lanes<R>; 3],
+    [a, b]: [Lanes<R>; 2],
+    moved: [Lanes<R>; 2],
+    room: [Lanes<R>; 2],
+) -> [[Lanes<R>; 2]; 2] {
     let away = moved.map(|e| [e * b, e * a]);
-    Bound {
-        added: away.map(|away| 0.5 * greatest(norms, away)),
-        slip: away.map(|[u, v]| (u / room[0]).max(v / room[1])),
-        ..Bound::default()
-    }
+    [
+        away.map(|away| greatest(norms, away) * 0.5),
+        away.map(|[u, v]| (u / room[0]).max(v / room[1])),
+    ]
 }
 
 /// How far partners may be away along u and v, as shares of the size.
@@ -348,8 +371,12 @@ pub(super) fn bounds(
 }
 
 /// The greatest `|D²r[w, w]|` for steps of at most u and v, from the norms of second derivatives.
-pub(super) fn greatest([uu, uv, vv]: [f64; 3], [u, v]: [f64; 2]) -> f64 {
-    uu * u * u + 2.0 * uv * u * v + vv * v * v
+#[inline(always)]
+pub(super) fn greatest<T: Copy + Add<Output = T> + Mul<Output = T>>(
+    [uu, uv, vv]: [T; 3],
+    [u, v]: [T; 2],
+) -> T {
+    uu * u * u + (uv + uv) * u * v + vv * v * v
 }
 
 /// The derivatives along the sides of the rectangle, in a frame.

@@ -6,9 +6,10 @@
 //! in each part.
 
 use super::bound::ROUND_UP;
-use super::partners::{Bound, Form, Framed, Place, length2, partners, popoviciu, room};
+use super::partners::{Bound, Framed, Place, length2, middle, partners, rest, room};
 use super::pieces::Local;
-use crate::ball::Ball;
+use crate::scalar::Pack;
+use crate::simd::{InstructionSet, Kernel, Lanes, Registers, Single, cross, dot};
 use glam::DVec3;
 
 /// The greatest errors of linear interpolation of x³/6 and of x² y/2 on the triangles, with x = y = 0 in the middle of the
@@ -23,8 +24,8 @@ const MIXED: f64 = 0.0625;
 /// change by no more than A and B, in z by no more than `A_z` and `B_z`. Then `|N_xy| ≤ (|a| + A) B_z + (|b| + B) A_z` and
 /// `N_z ≥ |a × b| - |a| B - |b| A - A B`, and of `e` there remains at most `|e_z| + |e_xy| |N_xy| / N_z`.
 pub(super) struct Parts {
-    /// The size of a part as a share of the square's.
-    share: f64,
+    /// The number of parts along each direction.
+    count: usize,
     room: [f64; 2],
     /// The normal of the square's frame, and how far `e` goes within the plane across and out of it.
     z: DVec3,
@@ -41,14 +42,14 @@ pub(super) struct Parts {
 }
 
 impl Parts {
-    /// `n` parts along each direction.
-    pub(super) fn new(framed: &Framed, place: &Place, local: &Local, n: u32) -> Self {
+    /// So many parts along each direction.
+    pub(super) fn new(framed: &Framed, place: &Place, local: &Local, count: usize) -> Self {
         let size = [0, 1].map(|d| place.uv[d].width() / local.half[d] * ROUND_UP);
         let [u, v] = size;
         let seconds = [u * u, u * v, v * v];
         let [x, y, across] = framed.errors();
         Self {
-            share: 1.0 / f64::from(n),
+            count,
             room: room(place),
             z: framed.turn.row(2),
             within: [0, 1].map(|k| length2(x[k], y[k])),
@@ -68,79 +69,114 @@ impl Parts {
     }
 
     /// The bounds for all parts, v fastest, in terms of the parts, each with what could be said at best.
-    pub(super) fn all(&self) -> impl Iterator<Item = [Bound; 2]> {
-        let n = (1.0 / self.share) as u32;
-        let middle = |i: u32| (f64::from(i) + 0.5) * self.share - 0.5;
-        (0..n * n).map(move |k| self.bounds([k / n, k % n].map(middle)))
-    }
-
-    /// That for the part with its middle there, in shares of the square from its middle.
-    pub(super) fn bounds(&self, [x, y]: [f64; 2]) -> [Bound; 2] {
-        let [uuu, uuv, uvv, vvv] = self.third;
-        let (xx, xy, yy) = (0.5 * x * x, x * y, 0.5 * y * y);
-        let a = self.first[0] + self.second[0] * x + self.second[1] * y;
-        let a = a + uuu * xx + uuv * xy + uvv * yy;
-        let b = self.first[1] + self.second[1] * x + self.second[2] * y;
-        let b = b + uuv * xx + uvv * xy + vvv * yy;
-        let area = a.cross(b);
-        let z = area / area.length();
-        let change = self.across(z, [x, y]);
-        // What is not known about a and b, what they change within half a part, and rounding.
-        let [far_x, far_y] = [x, y].map(|t| t.abs() + 0.5 * self.share);
-        let half = 0.5 * self.share;
-        let lengths = [a, b].map(DVec3::length);
-        let unknown = [0, 1].map(|k| {
-            let off = self.off[k] + self.rest[k] * far_x + self.rest[k + 1] * far_y;
-            off.length() + ROUNDING * (lengths[k] + self.norms[k] + self.norms[k + 1])
+    pub(super) fn all(&self) -> Vec<[Bound; 2]> {
+        let mut out = Vec::with_capacity(self.count * self.count);
+        InstructionSet::best().run(All {
+            parts: self,
+            out: &mut out,
         });
-        let steep = [0, 1, 2].map(|k| change.greatest(k));
-        let [turn_a, turn_b] = [0, 1].map(|k| (steep[k] + steep[k + 1]) * half + unknown[k]);
-        let [far_a, far_b] =
-            [0, 1].map(|k| (self.norms[k] + self.norms[k + 1]) * half + unknown[k]);
-        let [long_a, long_b] = [lengths[0] + far_a, lengths[1] + far_b];
-        let lost = lengths[0] * far_b + lengths[1] * far_a + far_a * far_b;
-        let least = area.length() - lost - ROUNDING * long_a * long_b;
-        // Without a normal there is no bound.
-        let least = if least > 0.0 { least } else { f64::NAN };
-        let tilt = (long_a * turn_b + long_b * turn_a) / least;
-        let aside = (z - self.z).length();
-        let within = [0, 1].map(|k| self.within[k] + aside * self.across[k]);
-        let moved = within.map(|e| e / least);
-        let whole = partners(self.norms, [long_a, long_b], moved, self.room);
-        let (middle, rest) = (change.form.middle(), change.form.rest());
-        let s = self.share;
-        let (second, third) = (s * s, s * s * s);
-        let bound = Bound {
-            error: [0, 1].map(|k| (middle[k] + rest[k] + tilt * within[k]) * second),
-            skew: change.skew().map(|x| x.map(|x| x * third)),
-            cubic: change.cubic() * third,
-            added: whole.added.map(|x| x * second * second),
-            slip: whole.slip.map(|x| x * second),
-            shift: 0.0,
-        };
-        let best = Bound {
-            error: middle.map(|e| e * second),
-            ..bound
-        };
-        [bound, best]
+        out
     }
 
-    /// The second derivatives in a direction about a place.
-    fn across(&self, z: DVec3, [x, y]: [f64; 2]) -> Change {
-        let third = self.third.map(|t| z.dot(t));
-        let size = z.abs();
-        Change {
-            form: Form([0, 1, 2].map(|k| {
-                let [a, b] = [third[k] * x, third[k + 1] * y];
-                let mid = z.dot(self.second[k]) + a + b;
-                let rounding = ROUNDING * (self.norms[k] + a.abs() + b.abs());
-                Ball {
-                    mid,
-                    rad: size.dot(self.rest[k]) + rounding,
-                }
-            })),
-            third: third.map(f64::abs),
-            half: 0.5 * self.share,
+    /// The bound for the square, if it is the only part.
+    pub(super) fn whole(&self) -> Bound {
+        self.bounds([Lanes(Single, 0.0); 2]).map(|x| x.1).told()[0]
+    }
+
+    /// Those for parts with their middles there, in shares of the square from its middle.
+    #[inline(always)]
+    fn bounds<R: Registers>(&self, [x, y]: [Lanes<R>; 2]) -> Bounds<Lanes<R>> {
+        let r = x.0;
+        let zero = Lanes::splat(r, 0.0);
+        let share = 1.0 / self.count as f64;
+        let half = 0.5 * share;
+        let norms = splat(r, self.norms);
+        // The first derivatives in the middle, and a normal.
+        let (xx, xy, yy) = (x * x * 0.5, x * y, y * y * 0.5);
+        let mut first = [[zero; 3]; 2];
+        for k in 0..2 {
+            for c in 0..3 {
+                let linear = x * self.second[k][c] + y * self.second[k + 1][c];
+                let [p, q, s] = [0, 1, 2].map(|i| self.third[k + i][c]);
+                first[k][c] = linear + xx * p + xy * q + yy * s + Lanes::splat(r, self.first[k][c]);
+            }
+        }
+        let area = cross(&first[0], &first[1]);
+        let size = dot(&area, &area).sqrt();
+        let z = [area[0] / size, area[1] / size, area[2] / size];
+        // The second derivatives along it: what they are in the middle, and how much they are off anywhere from their linear
+        // law. The sizes of the third.
+        let mut third = [zero; 4];
+        for k in 0..4 {
+            third[k] = dot(&z, &splat(r, self.third[k].to_array()));
+        }
+        let sizes = [z[0].abs(), z[1].abs(), z[2].abs()];
+        let [mut mid, mut rad] = [[zero; 3]; 2];
+        for k in 0..3 {
+            let (p, q) = (third[k] * x, third[k + 1] * y);
+            mid[k] = dot(&z, &splat(r, self.second[k].to_array())) + p + q;
+            let rounding = (norms[k] + p.abs() + q.abs()) * ROUNDING;
+            rad[k] = dot(&sizes, &splat(r, self.rest[k].to_array())) + rounding;
+        }
+        for k in 0..4 {
+            third[k] = third[k].abs();
+        }
+        // What is not known about the first derivatives, what they change within half a part, and rounding.
+        let (far_x, far_y) = (x.abs() + Lanes::splat(r, half), y.abs() + Lanes::splat(r, half));
+        let mut steep = [zero; 3];
+        for k in 0..3 {
+            let most = (mid[k].abs() + rad[k]) * ROUND_UP;
+            steep[k] = most + (third[k] + third[k + 1]) * half;
+        }
+        let [mut lengths, mut turn, mut change, mut long] = [[zero; 2]; 4];
+        for k in 0..2 {
+            lengths[k] = dot(&first[k], &first[k]).sqrt();
+            let mut off = [zero; 3];
+            for c in 0..3 {
+                let known = Lanes::splat(r, self.off[k][c]);
+                off[c] = known + far_x * self.rest[k][c] + far_y * self.rest[k + 1][c];
+            }
+            let unknown = dot(&off, &off).sqrt();
+            let unknown = unknown + (lengths[k] + norms[k] + norms[k + 1]) * ROUNDING;
+            turn[k] = (steep[k] + steep[k + 1]) * half + unknown;
+            change[k] = (norms[k] + norms[k + 1]) * half + unknown;
+            long[k] = lengths[k] + change[k];
+        }
+        let lost = lengths[0] * change[1] + lengths[1] * change[0] + change[0] * change[1];
+        let least = size - lost - long[0] * long[1] * ROUNDING;
+        // Without a normal there is no bound.
+        let least = least.where_greater(zero, [least, Lanes::splat(r, f64::NAN)]);
+        let tilt = (long[0] * turn[1] + long[1] * turn[0]) / least;
+        let from = splat(r, self.z.to_array());
+        let aside = [z[0] - from[0], z[1] - from[1], z[2] - from[2]];
+        let aside = dot(&aside, &aside).sqrt();
+        let [mut within, mut moved] = [[zero; 2]; 2];
+        for k in 0..2 {
+            within[k] = aside * self.across[k] + Lanes::splat(r, self.within[k]);
+            moved[k] = within[k] / least;
+        }
+        let [mut added, mut slip] = partners(norms, long, moved, splat(r, self.room));
+        let (mut best, off) = (middle(mid), rest(rad));
+        // The middles of longest sides are at most half a part away from its middle.
+        let skew_u = rest([third[0], third[1], third[2]]);
+        let skew_v = rest([third[1], third[2], third[3]]);
+        let (second, cubed) = (share * share, share * share * share);
+        let (mut error, mut skew) = ([zero; 2], [[zero; 2]; 2]);
+        for k in 0..2 {
+            error[k] = (best[k] + off[k] + tilt * within[k]) * second;
+            best[k] = best[k] * second;
+            skew[k] = [skew_u[k] * (0.5 * cubed), skew_v[k] * (0.5 * cubed)];
+            added[k] = added[k] * (second * second);
+            slip[k] = slip[k] * second;
+        }
+        let cubic = (third[0] + third[3]) * CUBE + (third[1] + third[2]) * MIXED;
+        Bounds {
+            error,
+            best,
+            skew,
+            cubic: cubic * cubed,
+            added,
+            slip,
         }
     }
 }
@@ -148,34 +184,89 @@ impl Parts {
 /// Rounding errors as a share of the terms.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
-/// The second derivatives of a component of the surface over a part of a square, along the sides of the square.
-struct Change {
-    /// In the middle, with how much they are off anywhere from their linear law.
-    form: Form,
-    /// The sizes of third derivatives.
-    third: [f64; 4],
-    /// Half the size of the part.
-    half: f64,
+/// The same numbers in all lanes.
+#[inline(always)]
+fn splat<R: Registers, const N: usize>(r: R, x: [f64; N]) -> [Lanes<R>; N] {
+    let mut out = [Lanes::splat(r, 0.0); N];
+    for k in 0..N {
+        out[k] = Lanes::splat(r, x[k]);
+    }
+    out
 }
 
-impl Change {
-    /// The greatest size of one of the second derivatives.
-    fn greatest(&self, k: usize) -> f64 {
-        self.form.0[k].mag() + (self.third[k] + self.third[k + 1]) * self.half
-    }
+/// The numbers of a [`Bound`], of several parts or one.
+struct Bounds<T> {
+    error: [T; 2],
+    /// Instead of `error`, what could be said at best.
+    best: [T; 2],
+    skew: [[T; 2]; 2],
+    cubic: T,
+    added: [T; 2],
+    slip: [T; 2],
+}
 
-    /// What the linear change adds at the border of the part, for a part as large as the square. The middles of longest
-    /// sides are at most half a part away from its middle.
-    fn skew(&self) -> [[f64; 2]; 2] {
-        let half = self.third.map(|x| 0.5 * x);
-        let [u, v] = [0, 1].map(|k| popoviciu([half[k], half[k + 1], half[k + 2]]));
-        [0, 1].map(|k| [u[k], v[k]])
+impl<T> Bounds<T> {
+    #[inline(always)]
+    fn map<S>(&self, of: impl Fn(&T) -> S) -> Bounds<S> {
+        let both = |x: &[T; 2]| [of(&x[0]), of(&x[1])];
+        Bounds {
+            error: both(&self.error),
+            best: both(&self.best),
+            skew: [both(&self.skew[0]), both(&self.skew[1])],
+            cubic: of(&self.cubic),
+            added: both(&self.added),
+            slip: both(&self.slip),
+        }
     }
+}
 
-    /// Likewise what it does within a triangle.
-    fn cubic(&self) -> f64 {
-        let [uuu, uuv, uvv, vvv] = self.third;
-        CUBE * (uuu + vvv) + MIXED * (uuv + uvv)
+impl Bounds<f64> {
+    /// The bound, and what it could be at best.
+    fn told(self) -> [Bound; 2] {
+        let bound = Bound {
+            error: self.error,
+            skew: self.skew,
+            cubic: self.cubic,
+            added: self.added,
+            slip: self.slip,
+            shift: 0.0,
+        };
+        let error = self.best;
+        [bound, Bound { error, ..bound }]
+    }
+}
+
+/// The bounds for all parts, a register of them at a time.
+struct All<'a> {
+    parts: &'a Parts,
+    out: &'a mut Vec<[Bound; 2]>,
+}
+
+impl Kernel for All<'_> {
+    #[inline(always)]
+    fn run<R: Registers>(self, r: R) {
+        let n = self.parts.count;
+        let share = 1.0 / n as f64;
+        for first in (0..n * n).step_by(R::LANES) {
+            let [mut x, mut y] = [[0.0; Pack::LANES]; 2];
+            for lane in 0..R::LANES {
+                let k = first + lane;
+                x[lane] = ((k / n) as f64 + 0.5) * share - 0.5;
+                y[lane] = ((k % n) as f64 + 0.5) * share - 0.5;
+            }
+            let bounds = self.parts.bounds([Lanes::load(r, &x), Lanes::load(r, &y)]);
+            let bounds = bounds.map(
+                #[inline(always)]
+                |x| {
+                    let mut all = [0.0; Pack::LANES];
+                    x.store(&mut all);
+                    all
+                },
+            );
+            for lane in 0..R::LANES.min(n * n - first) {
+                self.out.push(bounds.map(|x| x[lane]).told());
+            }
+        }
     }
 }
 

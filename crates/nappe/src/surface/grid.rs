@@ -10,7 +10,7 @@ use super::{Core, Dir, Separable, Surface, jet_index, normal_at};
 use crate::basis::Functions;
 use crate::breaks::{Breaks, Limit};
 use crate::scalar::{Number, Pack};
-use crate::simd::{InstructionSet, Kernel, Lanes, Registers, far_from_limits};
+use crate::simd::{InstructionSet, Kernel, Lanes, Registers, cross, dot, far_from_limits};
 use glam::{DVec3, DVec4};
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 use smallvec::SmallVec;
@@ -568,12 +568,6 @@ fn moved<R: Registers>(x: &[Lanes<R>; 3], origin: DVec3) -> [Lanes<R>; 3] {
     ]
 }
 
-/// `x · x`, summed as [`DVec3::length_squared`] does.
-#[inline(always)]
-fn square<R: Registers>(x: &[Lanes<R>; 3]) -> Lanes<R> {
-    x[0] * x[0] + x[1] * x[1] + x[2] * x[2]
-}
-
 /// The derivatives up to `ORDER` of every point of a grid, point by point.
 struct Jets<'a, const ORDER: usize, const JET: usize>(Grid<'a, DVec3>);
 
@@ -674,17 +668,13 @@ impl<R: Registers> Output<R, 3> for NormalOutput<'_, R> {
         let at = moved(&x[0], self.surface.origin());
         let a = [x[1][0] * du, x[1][1] * du, x[1][2] * du];
         let b = [x[2][0] * dv, x[2][1] * dv, x[2][2] * dv];
-        let n = [
-            a[1] * b[2] - b[1] * a[2],
-            a[2] * b[0] - b[2] * a[0],
-            a[0] * b[1] - b[0] * a[1],
-        ];
-        let nn = square(&n);
+        let n = cross(&a, &b);
+        let nn = dot(&n, &n);
         let inverse = Lanes::splat(r, 1.0) / nn.sqrt();
         let n = [n[0] * inverse, n[1] * inverse, n[2] * inverse];
         let pairs = numbers(&[at[0], at[1], at[2], n[0], n[1], n[2]]);
         write::<R, 6>(&r.interleave_pairs(pairs), out);
-        if !all_plain(nn, square(&a), square(&b), square(&at)) {
+        if !all_plain(nn, dot(&a, &a), dot(&b, &b), dot(&at, &at)) {
             self.normals_at(row, column, out);
         }
     }
