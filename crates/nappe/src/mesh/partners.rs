@@ -49,7 +49,7 @@ use super::slide::{NEGLIGIBLE, Tip, frame, tip};
 use crate::ball::{Ball, Ball3};
 use crate::box3::Box3;
 use crate::interval::Interval;
-use crate::simd::{Lanes, Registers, Single};
+use crate::simd::{Lanes, Plain, QUAD, Registers, Single};
 use crate::surface::Surface;
 use glam::DMat3;
 use smallvec::{SmallVec, smallvec};
@@ -104,7 +104,15 @@ impl Bound {
 
     /// The fewest bisections that keep a tolerance, with the bound after these.
     pub(super) fn level(&self, tol: f64, grain: f64) -> Option<(u32, f64)> {
+        if self.error.iter().any(|e| e.is_nan()) {
+            return None;
+        }
         (0..=2 * super::bisection::DEPTH).find_map(|level| {
+            // Without the rest of the bound, most levels are out of the question.
+            let q = share(level);
+            if q * q * self.error[level as usize % 2] > tol {
+                return None;
+            }
             let deviation = self.deviation(level, grain, tol)?;
             (deviation <= tol).then_some((level, deviation))
         })
@@ -123,7 +131,7 @@ fn share(level: u32) -> f64 {
 }
 
 /// The second derivatives of a function along the sides of a rectangle: `uu Δu²`, `uv Δu Δv`, `vv Δv²`.
-pub(super) struct Form([Ball; 3]);
+type Form = [Ball; 3];
 
 /// The sides of the triangles that are an even and an odd number of times bisected, in units of the rectangle.
 const SIDES: [[[[f64; 2]; 3]; 2]; 2] = [
@@ -138,11 +146,6 @@ const SIDES: [[[[f64; 2]; 3]; 2]; 2] = [
 ];
 
 /// The sum in Popoviciu's inequality for triangles that are an even and an odd number of times bisected.
-pub(super) fn popoviciu(q: [f64; 3]) -> [f64; 2] {
-    singly(q, rest)
-}
-
-/// The same for several functions.
 #[inline(always)]
 pub(super) fn rest<R: Registers>([uu, uv, vv]: [Lanes<R>; 3]) -> [Lanes<R>; 2] {
     [
@@ -151,22 +154,20 @@ pub(super) fn rest<R: Registers>([uu, uv, vv]: [Lanes<R>; 3]) -> [Lanes<R>; 2] {
     ]
 }
 
-/// A formula for one function.
-fn singly(
-    q: [f64; 3],
-    of: impl Fn([Lanes<Single>; 3]) -> [Lanes<Single>; 2],
-) -> [f64; 2] {
-    of(q.map(|x| Lanes(Single, x))).map(|x| x.1)
-}
-
-impl Form {
-    /// The greatest error of interpolation, for triangles that are an even and an odd number of times bisected: that of the
-    /// middles, and what the radii add.
-    fn error(&self) -> [f64; 2] {
-        let middle = singly(self.0.map(|q| q.mid), middle);
-        let rest = popoviciu(self.0.map(|q| q.rad));
-        [0, 1].map(|k| middle[k] + rest[k])
-    }
+/// The greatest error of interpolation of some functions, for triangles that are an even and an odd number of times bisected:
+/// that of the middles, and what the radii add.
+fn errors<const N: usize>(forms: [Form; N]) -> [[f64; 2]; N] {
+    let numbers = |of: fn(Ball) -> f64| {
+        [0, 1, 2].map(|k| {
+            let mut lanes = [0.0; QUAD];
+            for (lane, form) in lanes.iter_mut().zip(&forms) {
+                *lane = of(form[k]);
+            }
+            Lanes(Plain, lanes)
+        })
+    };
+    let (middle, rest) = (middle(numbers(|q| q.mid)), rest(numbers(|q| q.rad)));
+    std::array::from_fn(|lane| [0, 1].map(|k| middle[k].1[lane] + rest[k].1[lane]))
 }
 
 /// The greatest error of interpolation for constant second derivatives of several functions, for triangles that are an even
@@ -286,7 +287,7 @@ impl Framed {
     /// What could be said at best if the derivatives were constant.
     pub(super) fn within_reach(&self) -> Bound {
         Bound {
-            error: self.sized.form(|x| Ball::point(x.z.mid)).error(),
+            error: middle(self.sized.second.map(|x| Lanes(Single, x.z.mid))).map(|x| x.1),
             ..Bound::default()
         }
     }
@@ -316,7 +317,7 @@ impl Framed {
 
     /// How far the components of `e` go.
     pub(super) fn errors(&self) -> [[f64; 2]; 3] {
-        [0, 1, 2].map(|c| self.sized.form(|b| b.to_array()[c]).error())
+        errors(self.sized.forms())
     }
 }
 
@@ -395,8 +396,10 @@ impl Sized {
         }
     }
 
-    fn form(&self, component: impl Fn(Ball3) -> Ball) -> Form {
-        Form(self.second.map(component))
+    /// For each coordinate.
+    fn forms(&self) -> [Form; 3] {
+        let [uu, uv, vv] = self.second.map(Ball3::to_array);
+        [0, 1, 2].map(|c| [uu[c], uv[c], vv[c]])
     }
 
     pub(super) fn norms(&self) -> [f64; 3] {
@@ -407,8 +410,10 @@ impl Sized {
 /// Partners with the same parameters.
 fn plain(place: &Place, jet: &[Box3]) -> Bound {
     let sized = Sized::new(place, jet, &DMat3::IDENTITY);
-    let parts = [0, 1, 2].map(|c| sized.form(|b| b.to_array()[c]).error());
-    let norms = popoviciu(sized.norms());
+    let [x, y, z] = sized.forms();
+    let any = sized.norms().map(|rad| Ball { mid: 0.0, rad });
+    let [x, y, z, norms] = errors([x, y, z, any]);
+    let parts = [x, y, z];
     let sum = [0, 1].map(|k| length2(length2(parts[0][k], parts[1][k]), parts[2][k]));
     Bound {
         error: [0, 1].map(|k| if sum[k] <= norms[k] { sum[k] } else { norms[k] }),
@@ -426,7 +431,7 @@ fn along(place: &Place, jet: &[Box3], dir: usize) -> Option<Bound> {
         return None;
     }
     let [ty, tz] = [first.y.mag() / least, first.z.mag() / least];
-    let [x, y, z] = [0, 1, 2].map(|c| sized.form(|b| b.to_array()[c]).error());
+    let [x, y, z] = errors(sized.forms());
     let away = x.map(|e| e / least);
     let second = sized.norms()[2 * dir];
     let [below, above] = place.room(dir);
@@ -494,7 +499,7 @@ mod tests {
         let mut tight = 0;
         for _ in 0..300 {
             let q = [0; 3].map(|_| 2.0 * random.unit() - 1.0);
-            let bound = Form(q.map(Ball::point)).error();
+            let [bound] = errors([q.map(Ball::point)]);
             for (kinds, bound) in TRIANGLES.iter().zip(bound) {
                 let found = kinds.map(|t| sampled(q, t));
                 let worst = found[0].max(found[1]);
