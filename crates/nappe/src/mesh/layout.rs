@@ -684,7 +684,7 @@ impl Halved {
             deviation: 0.0,
         };
         let mut fewest = 0.0;
-        for [bound, best] in Parts::new(framed, place, local, n).all() {
+        for [bound, best] in Parts::new(framed, place, local).all(n) {
             let (level, deviation) = bound.level(tol, grain)?;
             out.levels.push(level);
             out.triangles += 2.0f64.powi(level as i32 + 1);

@@ -295,7 +295,7 @@ impl Framed {
     /// Partners along the normal; `local` is what is known about the square itself.
     fn inside(&self, place: &Place, local: Option<&Local>) -> Bound {
         if let Some(local) = local {
-            return Parts::new(self, place, local, 1).whole();
+            return Parts::new(self, place, local).whole();
         }
         let Self { sized, normal, .. } = self;
         let least = normal.z.lo();

@@ -1,15 +1,16 @@
 //! Bounds for the equal parts of a square in one analytic piece, from what is known about the whole square.
 //!
-//! The second derivatives over the square are a linear law and a rest. So in each part the middle of the law is a constant
-//! form, and its change counts with the size of the part only: enclosing the square once serves all parts. The theorem of
-//! `partners` holds with the square: its triangles may be of different sizes, and partners may be chosen with another frame
-//! in each part.
+//! The surface over the square is a polynomial, but for a little. So in each part the second derivatives are a constant form,
+//! a linear change and a rest that falls with the square of the part's size: enclosing the square once serves all parts. The
+//! theorem of `partners` holds with the square: its triangles may be of different sizes, and partners may be chosen with
+//! another frame in each part.
 
 use super::bound::ROUND_UP;
 use super::partners::{Bound, Framed, Place, length2, middle, partners, rest, room};
-use super::pieces::Local;
+use super::pieces::{Local, ORDER, Polynomial, falling, powers};
 use crate::scalar::Pack;
 use crate::simd::{InstructionSet, Kernel, Lanes, Registers, Single, cross, dot};
+use crate::surface::jet_index;
 use glam::DVec3;
 
 /// The greatest errors of linear interpolation of x³/6 and of x² y/2 on the triangles, with x = y = 0 in the middle of the
@@ -18,61 +19,66 @@ use glam::DVec3;
 const CUBE: f64 = 0.009;
 const MIXED: f64 = 0.0625;
 
-/// The equal parts of a square over which the second derivatives change about linearly. Each has its own frame.
+/// The derivatives of the surface over a square as those of a polynomial. Each equal part has its own frame.
 ///
 /// Let z be the normal in the middle of a part, and the tangents there be a and b along its sides. Within the part they
 /// change by no more than A and B, in z by no more than `A_z` and `B_z`. Then `|N_xy| ≤ (|a| + A) B_z + (|b| + B) A_z` and
 /// `N_z ≥ |a × b| - |a| B - |b| A - A B`, and of `e` there remains at most `|e_z| + |e_xy| |N_xy| / N_z`.
 pub(super) struct Parts {
-    /// The number of parts along each direction.
-    count: usize,
     room: [f64; 2],
     /// The normal of the square's frame, and how far `e` goes within the plane across and out of it.
     z: DVec3,
     within: [f64; 2],
     across: [f64; 2],
+    /// The greatest second derivatives.
     norms: [f64; 3],
-    /// The derivatives in the middle of the square along its sides, with how much they are off: the first there, the
-    /// second from their linear law anywhere.
-    first: [DVec3; 2],
-    off: [DVec3; 2],
+    /// The polynomial about the middle, with the square's sides as units.
+    terms: Polynomial,
+    /// How much its first derivatives are off, at most, and its second.
+    first: [f64; 2],
     second: [DVec3; 3],
-    third: [DVec3; 4],
-    rest: [DVec3; 3],
+    /// The greatest fourth derivatives of the polynomial: `uuuu`, `uuuv`, …
+    fourth: [DVec3; 5],
 }
 
 impl Parts {
-    /// So many parts along each direction.
-    pub(super) fn new(framed: &Framed, place: &Place, local: &Local, count: usize) -> Self {
-        let size = [0, 1].map(|d| place.uv[d].width() / local.half[d] * ROUND_UP);
-        let [u, v] = size;
-        let seconds = [u * u, u * v, v * v];
+    pub(super) fn new(framed: &Framed, place: &Place, local: &Local) -> Self {
+        let size = [0, 1].map(|d| place.uv[d].width() / local.half[d]);
+        let [u, v] = size.map(powers);
+        let mut terms = local.terms;
+        let mut fourth = [DVec3::ZERO; 5];
+        for (i, j) in (0..=ORDER).flat_map(|i| (0..=ORDER - i).map(move |j| (i, j))) {
+            terms[i][j] *= u[i] * v[j];
+            // The square reaches half a unit far.
+            let most = terms[i][j].abs() * (16.0 / (1u32 << (i + j)) as f64);
+            for (b, fourth) in fourth.iter_mut().enumerate() {
+                if i + b >= 4 && j >= b {
+                    *fourth += most * (falling(i, 4 - b) * falling(j, b));
+                }
+            }
+        }
+        let off = |a: usize, b: usize| local.off[jet_index(a, b)] * (u[a] * v[b] * ROUND_UP);
         let [x, y, across] = framed.errors();
         Self {
-            count,
             room: room(place),
             z: framed.turn.row(2),
             within: [0, 1].map(|k| length2(x[k], y[k])),
             across,
             norms: framed.sized.norms(),
-            first: [0, 1].map(|k| local.first[k] * size[k]),
-            off: [0, 1].map(|k| local.off[k] * size[k]),
-            second: [0, 1, 2].map(|k| local.second[k] * seconds[k]),
-            third: [
-                local.third[0] * (u * u * u),
-                local.third[1] * (u * u * v),
-                local.third[2] * (u * v * v),
-                local.third[3] * (v * v * v),
-            ],
-            rest: [0, 1, 2].map(|k| local.rest[k] * seconds[k]),
+            terms,
+            first: [off(1, 0), off(0, 1)].map(DVec3::length),
+            second: [off(2, 0), off(1, 1), off(0, 2)],
+            fourth,
         }
     }
 
-    /// The bounds for all parts, v fastest, in terms of the parts, each with what could be said at best.
-    pub(super) fn all(&self) -> Vec<[Bound; 2]> {
-        let mut out = Vec::with_capacity(self.count * self.count);
+    /// The bounds for so many parts along each direction, v fastest, in terms of the parts, each with what could be said at
+    /// best.
+    pub(super) fn all(&self, count: usize) -> Vec<[Bound; 2]> {
+        let mut out = Vec::with_capacity(count * count);
         InstructionSet::best().run(All {
             parts: self,
+            count,
             out: &mut out,
         });
         out
@@ -80,49 +86,43 @@ impl Parts {
 
     /// The bound for the square, if it is the only part.
     pub(super) fn whole(&self) -> Bound {
-        self.bounds([Lanes(Single, 0.0); 2]).map(|x| x.1).told()[0]
+        self.bounds([Lanes(Single, 0.0); 2], 1)
+            .map(|x| x.1)
+            .told()[0]
     }
 
     /// Those for parts with their middles there, in shares of the square from its middle.
     #[inline(always)]
-    fn bounds<R: Registers>(&self, [x, y]: [Lanes<R>; 2]) -> Bounds<Lanes<R>> {
-        let r = x.0;
+    fn bounds<R: Registers>(&self, at: [Lanes<R>; 2], count: usize) -> Bounds<Lanes<R>> {
+        let r = at[0].0;
         let zero = Lanes::splat(r, 0.0);
-        let share = 1.0 / self.count as f64;
+        let share = 1.0 / count as f64;
         let half = 0.5 * share;
         let norms = splat(r, self.norms);
-        // The first derivatives in the middle, and a normal.
-        let (xx, xy, yy) = (x * x * 0.5, x * y, y * y * 0.5);
-        let mut first = [[zero; 3]; 2];
-        for k in 0..2 {
-            for c in 0..3 {
-                let linear = x * self.second[k][c] + y * self.second[k + 1][c];
-                let [p, q, s] = [0, 1, 2].map(|i| self.third[k + i][c]);
-                first[k][c] = linear + xx * p + xy * q + yy * s + Lanes::splat(r, self.first[k][c]);
-            }
-        }
+        let Derivatives {
+            first,
+            second,
+            third,
+        } = self.derivatives(at);
         let area = cross(&first[0], &first[1]);
         let size = dot(&area, &area).sqrt();
         let z = [area[0] / size, area[1] / size, area[2] / size];
-        // The second derivatives along it: what they are in the middle, and how much they are off anywhere from their linear
-        // law. The sizes of the third.
-        let mut third = [zero; 4];
-        for k in 0..4 {
-            third[k] = dot(&z, &splat(r, self.third[k].to_array()));
-        }
+        // The second derivatives along the normal in the middle, how much they are off anywhere from their linear law, and
+        // the sizes of the third.
         let sizes = [z[0].abs(), z[1].abs(), z[2].abs()];
         let [mut mid, mut rad] = [[zero; 3]; 2];
         for k in 0..3 {
-            let (p, q) = (third[k] * x, third[k + 1] * y);
-            mid[k] = dot(&z, &splat(r, self.second[k].to_array())) + p + q;
-            let rounding = (norms[k] + p.abs() + q.abs()) * ROUNDING;
-            rad[k] = dot(&sizes, &splat(r, self.rest[k].to_array())) + rounding;
+            let [p, q, s] = [self.fourth[k], self.fourth[k + 1], self.fourth[k + 2]];
+            let rest = self.second[k] + (p + q + q + s) * (0.5 * half * half * ROUND_UP);
+            mid[k] = dot(&z, &second[k]);
+            rad[k] = dot(&sizes, &splat(r, rest.to_array())) + norms[k] * ROUNDING;
         }
+        let mut across = [zero; 4];
         for k in 0..4 {
-            third[k] = third[k].abs();
+            across[k] = dot(&z, &third[k]).abs();
         }
+        let third = across;
         // What is not known about the first derivatives, what they change within half a part, and rounding.
-        let (far_x, far_y) = (x.abs() + Lanes::splat(r, half), y.abs() + Lanes::splat(r, half));
         let mut steep = [zero; 3];
         for k in 0..3 {
             let most = (mid[k].abs() + rad[k]) * ROUND_UP;
@@ -131,13 +131,8 @@ impl Parts {
         let [mut lengths, mut turn, mut change, mut long] = [[zero; 2]; 4];
         for k in 0..2 {
             lengths[k] = dot(&first[k], &first[k]).sqrt();
-            let mut off = [zero; 3];
-            for c in 0..3 {
-                let known = Lanes::splat(r, self.off[k][c]);
-                off[c] = known + far_x * self.rest[k][c] + far_y * self.rest[k + 1][c];
-            }
-            let unknown = dot(&off, &off).sqrt();
-            let unknown = unknown + (lengths[k] + norms[k] + norms[k + 1]) * ROUNDING;
+            let rounding = (lengths[k] + norms[k] + norms[k + 1]) * ROUNDING;
+            let unknown = rounding + Lanes::splat(r, self.first[k]);
             turn[k] = (steep[k] + steep[k + 1]) * half + unknown;
             change[k] = (norms[k] + norms[k + 1]) * half + unknown;
             long[k] = lengths[k] + change[k];
@@ -179,6 +174,53 @@ impl Parts {
             slip,
         }
     }
+
+    /// The derivatives of the polynomial, by Horner's scheme along v and along u.
+    #[inline(always)]
+    fn derivatives<R: Registers>(&self, [x, y]: [Lanes<R>; 2]) -> Derivatives<R> {
+        let zero = Lanes::splat(x.0, 0.0);
+        let mut out = Derivatives {
+            first: [[zero; 3]; 2],
+            second: [[zero; 3]; 3],
+            third: [[zero; 3]; 4],
+        };
+        for c in 0..3 {
+            // Derivatives over factorials, by orders along u and v.
+            let mut all = [[zero; 4]; 4];
+            for i in (0..=ORDER).rev() {
+                let mut row = [zero; 4];
+                for j in (0..=ORDER - i).rev() {
+                    row[3] = row[3] * y + row[2];
+                    row[2] = row[2] * y + row[1];
+                    row[1] = row[1] * y + row[0];
+                    row[0] = row[0] * y + Lanes::splat(x.0, self.terms[i][j][c]);
+                }
+                for b in 0..4 {
+                    for a in (1..4 - b).rev() {
+                        all[a][b] = all[a][b] * x + all[a - 1][b];
+                    }
+                    all[0][b] = all[0][b] * x + row[b];
+                }
+            }
+            out.first[0][c] = all[1][0];
+            out.first[1][c] = all[0][1];
+            out.second[0][c] = all[2][0] * 2.0;
+            out.second[1][c] = all[1][1];
+            out.second[2][c] = all[0][2] * 2.0;
+            out.third[0][c] = all[3][0] * 6.0;
+            out.third[1][c] = all[2][1] * 2.0;
+            out.third[2][c] = all[1][2] * 2.0;
+            out.third[3][c] = all[0][3] * 6.0;
+        }
+        out
+    }
+}
+
+/// Derivatives in the middles of some parts, `u` first.
+struct Derivatives<R: Registers> {
+    first: [[Lanes<R>; 3]; 2],
+    second: [[Lanes<R>; 3]; 3],
+    third: [[Lanes<R>; 3]; 4],
 }
 
 /// Rounding errors as a share of the terms.
@@ -239,13 +281,14 @@ impl Bounds<f64> {
 /// The bounds for all parts, a register of them at a time.
 struct All<'a> {
     parts: &'a Parts,
+    count: usize,
     out: &'a mut Vec<[Bound; 2]>,
 }
 
 impl Kernel for All<'_> {
     #[inline(always)]
     fn run<R: Registers>(self, r: R) {
-        let n = self.parts.count;
+        let n = self.count;
         let share = 1.0 / n as f64;
         for first in (0..n * n).step_by(R::LANES) {
             let [mut x, mut y] = [[0.0; Pack::LANES]; 2];
@@ -254,7 +297,7 @@ impl Kernel for All<'_> {
                 x[lane] = ((k / n) as f64 + 0.5) * share - 0.5;
                 y[lane] = ((k % n) as f64 + 0.5) * share - 0.5;
             }
-            let bounds = self.parts.bounds([Lanes::load(r, &x), Lanes::load(r, &y)]);
+            let bounds = self.parts.bounds([Lanes::load(r, &x), Lanes::load(r, &y)], n);
             let bounds = bounds.map(
                 #[inline(always)]
                 |x| {
@@ -312,13 +355,21 @@ mod tests {
         }
 
         fn local(&self) -> Local {
+            let ([a, b, c], [p, q, r, s]) = (self.second, self.third);
+            let mut terms = [[DVec3::ZERO; ORDER + 1]; ORDER + 1];
+            (terms[1][0], terms[0][1]) = (DVec3::X, DVec3::Y);
+            let of = [(2, 0, 0.5 * a), (1, 1, b), (0, 2, 0.5 * c)];
+            for (i, j, x) in of {
+                terms[i][j].z = x;
+            }
+            let of = [(3, 0, p / 6.0), (2, 1, 0.5 * q), (1, 2, 0.5 * r), (0, 3, s / 6.0)];
+            for (i, j, x) in of {
+                terms[i][j].z = x;
+            }
             Local {
                 half: [1.0; 2],
-                first: [DVec3::X, DVec3::Y],
-                off: [DVec3::ZERO; 2],
-                second: self.second.map(|d| d * DVec3::Z),
-                third: self.third.map(|d| d * DVec3::Z),
-                rest: [DVec3::ZERO; 3],
+                terms,
+                off: [DVec3::ZERO; 6],
             }
         }
 
@@ -393,8 +444,8 @@ mod tests {
             let graph = Graph { second, third };
             let framed = Framed::new(&place, &graph.jet(0.5625)).expect("the normal stays up");
             for depth in 0..3 {
-                let parts = Parts::new(&framed, &place, &graph.local(), 1 << depth);
-                let all = Square::cell([0, 0]).parts(depth).zip(parts.all());
+                let parts = Parts::new(&framed, &place, &graph.local());
+                let all = Square::cell([0, 0]).parts(depth).zip(parts.all(1 << depth));
                 for (k, (part, [bound, best])) in all.enumerate() {
                     // Some of them are enough.
                     if (k + round) % 3 != 0 {

@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The order of Taylor's formula: of two cubic sides nothing is left.
-const ORDER: usize = 6;
+pub(super) const ORDER: usize = 6;
 /// Pieces along each direction that are enclosed together, by one thread.
 const TILE: usize = 8;
 /// A rectangle over more pieces is enclosed by itself.
@@ -190,25 +190,20 @@ impl From<Vec<Box3>> for Enclosed {
     }
 }
 
-/// The derivatives in the middle of a rectangle.
+/// What is known about a rectangle in one piece.
 pub(super) struct Local {
     /// The unit of parameters along u and v.
     pub(super) half: [f64; 2],
-    /// `u`, `v`, and how much they may be off.
-    pub(super) first: [DVec3; 2],
-    pub(super) off: [DVec3; 2],
-    /// `uu`, `uv`, `vv`.
-    pub(super) second: [DVec3; 3],
-    /// `uuu`, `uuv`, `uvv`, `vvv`.
-    pub(super) third: [DVec3; 4],
-    /// How much the second derivatives over the rectangle are off from what these tell.
-    pub(super) rest: [DVec3; 3],
+    /// Taylor's polynomial about its middle.
+    pub(super) terms: Polynomial,
+    /// How much the derivatives up to second order over the rectangle are off from those of the polynomial.
+    pub(super) off: Jet<DVec3>,
 }
 
 /// A jet of order 2.
 pub(super) type Jet<T> = [T; jet_len(2)];
 /// The coefficients of `sⁱ tʲ`, at `[i][j]`.
-type Polynomial = [[DVec3; ORDER + 1]; ORDER + 1];
+pub(super) type Polynomial = [[DVec3; ORDER + 1]; ORDER + 1];
 
 /// A rectangle in which the surface is analytic.
 #[derive(Clone)]
@@ -347,8 +342,6 @@ impl Piece {
             unknown[k] += self.rest[k] * far[ORDER - a - b];
             mid[k] = moved[a][b] * (FACTORIALS[a] * FACTORIALS[b]);
         }
-        let (first, off) = ([mid[1], mid[2]], [unknown[1], unknown[2]]);
-        let second = [mid[3], mid[4], mid[5]];
         // Half of a square is in the middle.
         let squares = SECOND.map(|(a, b)| {
             [
@@ -375,7 +368,6 @@ impl Piece {
             }
         }
         let (mut error, mut loose) = (unknown, unknown);
-        let mut rest = [DVec3::ZERO; 3];
         for (k, (a, b)) in SECOND.into_iter().enumerate() {
             let share = ROUND_UP / (hu[a] * hv[b]);
             let other = DVec3::from_array(higher.map(|sums| sums[k])) * share;
@@ -386,9 +378,6 @@ impl Piece {
                 + moved[a][b + 1].abs() * ((b + 1) as f64 * hv[1]);
             error[k] += linear * factor + 0.5 * squares + other;
             loose[k] += other;
-            if k >= 3 {
-                rest[k - 3] = unknown[k] + squares + other;
-            }
         }
         let loose = sizes(&loose);
         let sharp = near && loose[0] + loose[1] <= LOOSE * known[1].max(tol);
@@ -405,11 +394,8 @@ impl Piece {
         }
         let local = Local {
             half: self.half,
-            first,
-            off,
-            second,
-            third: std::array::from_fn(|k| moved[3 - k][k] * (FACTORIALS[3 - k] * FACTORIALS[k])),
-            rest,
+            terms: moved,
+            off: unknown,
         };
         Some(Enclosed {
             jet,
@@ -450,7 +436,7 @@ fn moved(terms: &Polynomial, [s, t]: [f64; 2]) -> Polynomial {
     p
 }
 
-fn powers(x: f64) -> [f64; ORDER + 1] {
+pub(super) fn powers(x: f64) -> [f64; ORDER + 1] {
     let mut p = [1.0; ORDER + 1];
     for k in 0..ORDER {
         p[k + 1] = p[k] * x;
@@ -461,7 +447,7 @@ fn powers(x: f64) -> [f64; ORDER + 1] {
 const FACTORIALS: [f64; ORDER + 1] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0];
 
 /// `i! / (i - a)!`: what the a-th derivative makes of the term of order i.
-const fn falling(i: usize, a: usize) -> f64 {
+pub(super) const fn falling(i: usize, a: usize) -> f64 {
     FACTORIALS[i] / FACTORIALS[i - a]
 }
 
@@ -564,21 +550,16 @@ mod tests {
                         }
                         let Some(local) = &found.local else { continue };
                         let [s, t] = [0, 1].map(|d| (at[d] - middle[d]) / local.half[d]);
-                        for (k, first) in local.first.into_iter().enumerate() {
-                            let off = surface.jet(middle, [Limit::Above; 2], 1).d[1 + k]
-                                * local.half[k]
-                                - first;
+                        for (k, &(a, b)) in SECOND.iter().enumerate() {
+                            let mut told = DVec3::ZERO;
+                            for (i, j) in ALL.into_iter().filter(|&(i, j)| i >= a && j >= b) {
+                                let powers = s.powi((i - a) as i32) * t.powi((j - b) as i32);
+                                told += local.terms[i][j] * (powers * falling(i, a) * falling(j, b));
+                            }
+                            let half = local.half[0].powi(a as i32) * local.half[1].powi(b as i32);
+                            let off = (jet.d[k] * half - told).abs();
                             let rounding = DVec3::splat(1e-12 * size);
-                            assert!(off.abs().cmple(local.off[k] + rounding).all());
-                        }
-                        for k in 0..3 {
-                            let half =
-                                local.half[0].powi(2 - k as i32) * local.half[1].powi(k as i32);
-                            let told =
-                                local.second[k] + local.third[k] * s + local.third[k + 1] * t;
-                            let off = (jet.d[3 + k] * half - told).abs();
-                            let rounding = DVec3::splat(1e-12 * size);
-                            assert!(off.cmple(local.rest[k] + rounding).all(), "{number} {k}");
+                            assert!(off.cmple(local.off[k] + rounding).all(), "{number} {k}");
                         }
                     }
                 }
