@@ -11,7 +11,6 @@
 //! of the depth `3 b` are 8 × 8 bits of one tile. The crossings of lines are all there, and need no bits.
 
 use rustc_hash::FxHashMap;
-use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// A vertex: along u and v, the number of the line below times 2^[`DEPTH`] and the distance from it.
@@ -61,17 +60,6 @@ impl Square {
         [[0, 0], [half, 0], [0, half], [half, half]].map(|d| Self {
             corner: [self.corner[0] + d[0], self.corner[1] + d[1]],
             depth: self.depth + 1,
-        })
-    }
-
-    /// The squares that arise if it is halved so often along each direction, v fastest.
-    pub(super) fn parts(self, times: u32) -> impl Iterator<Item = Self> {
-        let depth = self.depth + times;
-        let size = CELL >> depth;
-        let n = 1 << times;
-        (0..n * n).map(move |k| Self {
-            corner: [self.corner[0] + k / n * size, self.corner[1] + k % n * size],
-            depth,
         })
     }
 
@@ -276,45 +264,35 @@ impl Bisection {
 
     /// Adds a vertex with all that it needs.
     pub(super) fn add(&mut self, place: Place) {
-        let mut open: SmallVec<[Place; 16]> = SmallVec::new();
-        open.push(place);
-        while let Some(p) = open.pop() {
-            if self.insert(p) {
-                open.extend(self.right_angles(p));
+        if self.insert(place) {
+            for right_angle in self.right_angles(place).into_iter().flatten() {
+                self.add(right_angle);
             }
         }
     }
 
     /// The right angles of the triangles whose longest side has its middle here, at no crossing of lines.
-    fn right_angles(&self, [x, y]: Place) -> SmallVec<[Place; 2]> {
+    fn right_angles(&self, [x, y]: Place) -> [Option<Place>; 2] {
         let t = x.trailing_zeros().min(y.trailing_zeros());
         let s = 1 << t;
-        let mut out = SmallVec::new();
         let odd = [x, y].map(|c| c >> t & 1 == 1);
-        match odd {
-            [true, true] => {
-                // The centre of a square. Corners whose numbers have an even sum are on its diagonal.
-                let parity = ((x - s) >> (t + 1)) + ((y - s) >> (t + 1));
-                if parity.is_multiple_of(2) {
-                    out.extend([[x + s, y - s], [x - s, y + s]]);
-                } else {
-                    out.extend([[x - s, y - s], [x + s, y + s]]);
-                }
-            }
-            _ => {
-                // The middle of a side: the centres of the squares beside it.
-                let d = usize::from(odd[0]);
-                let (at, last) = ([x, y], self.last()[d]);
-                for beside in [at[d].checked_sub(s), at[d].checked_add(s)] {
-                    if let Some(c) = beside.filter(|&c| c <= last) {
-                        let mut centre = at;
-                        centre[d] = c;
-                        out.push(centre);
-                    }
-                }
-            }
+        if odd == [true, true] {
+            // The centre of a square. Corners whose numbers have an even sum are on its diagonal.
+            let parity = ((x - s) >> (t + 1)) + ((y - s) >> (t + 1));
+            return if parity.is_multiple_of(2) {
+                [Some([x + s, y - s]), Some([x - s, y + s])]
+            } else {
+                [Some([x - s, y - s]), Some([x + s, y + s])]
+            };
         }
-        out
+        // The middle of a side: the centres of the squares beside it.
+        let d = usize::from(odd[0]);
+        let (at, last) = ([x, y], self.last()[d]);
+        [at[d].checked_sub(s), at[d].checked_add(s)].map(|beside| {
+            let mut centre = at;
+            centre[d] = beside.filter(|&c| c <= last)?;
+            Some(centre)
+        })
     }
 
     /// Halves all triangles of a square `levels` times, if they are not yet.

@@ -6,12 +6,13 @@
 
 use super::bisection::{Bisection, DEPTH, Square};
 use super::bound::{Bend, ROUND_UP, sampled};
+use super::division::{Division, SETTLED, triangles};
 use super::lines::index;
 use super::measured::{LEVELS, PARTS, Samples};
 use super::options::MeshError;
 use super::partners::{BETWEEN, Framed, Place, bounds, greatest_of};
 use super::parts::Parts;
-use super::pieces::{Enclosed, Local, Pieces};
+use super::pieces::{Enclosed, Pieces};
 use super::roots::{Grid, Roots, roots};
 use super::slide::slide;
 use crate::box3::Box3;
@@ -30,10 +31,8 @@ const MAX_DEPTH: u32 = DEPTH - 4;
 const PATIENCE: u32 = 4;
 /// Squares that need more bisections than this are better looked at in parts than enclosed.
 const FAR: u32 = LEVELS + 2;
-/// With so few bisections, looking at the parts of a square saves hardly a triangle.
-const SETTLED: u32 = 2;
 /// The most bisections of a square whose parts are judged together.
-const MOST: u32 = 8;
+const MOST: u32 = 12;
 /// Squares of at most this share of a piece are not measured for one bisection.
 const SMALL: f64 = 1.0 / 32.0;
 /// Samples of the curvature along each direction.
@@ -42,8 +41,6 @@ const CURVED: usize = 12;
 const LOOSE: f64 = 16.0;
 /// The least share of the tolerance that is kept for points between partners.
 const LEAST_BETWEEN: f64 = 1.0 / 64.0;
-/// Parts that need this many times the triangles that their second derivatives ask for are enclosed by themselves.
-const ENOUGH_KNOWN: f64 = 1.5;
 /// The shares of a block that threads work on, and the squares to begin with.
 const SHARES: usize = 16;
 const ENOUGH: usize = 64;
@@ -441,11 +438,10 @@ impl<'a> Work<'a> {
         let level = match judged.level {
             Some(level) if level <= SETTLED || !deeper => level,
             Some(level) => {
-                let whole = 2.0f64.powi(level as i32 + 1);
                 match judged.parts {
-                    Some(parts) if parts.triangles < whole => {
+                    Some(parts) if parts.triangles() < triangles(level) => {
                         self.found.proven &= judged.proven;
-                        return self.accept(square, parts);
+                        return self.accept(square, parts, open);
                     }
                     None if judged.least < level => return self.quarter(square, open),
                     _ => level,
@@ -468,7 +464,7 @@ impl<'a> Work<'a> {
         };
         let deepest = 2 * (DEPTH - square.depth);
         self.found.proven &= level <= deepest;
-        self.found.triangles += (2.0f64).powi(level as i32 + 1);
+        self.found.triangles += triangles(level);
         self.found.net.refine(square, level.min(deepest));
         self.found.proven &= judged.proven;
         self.deviate(judged.deviation);
@@ -483,15 +479,16 @@ impl<'a> Work<'a> {
     }
 
     /// Refines the parts of a square.
-    fn accept(&mut self, square: Square, parts: Halved) -> Result<(), MeshError> {
-        self.found.triangles += parts.triangles;
-        self.found.net.refine(square, 2 * parts.depth);
-        for (part, level) in square.parts(parts.depth).zip(parts.levels) {
-            let deepest = 2 * (DEPTH - part.depth);
-            self.found.proven &= level <= deepest;
-            self.found.net.refine(part, level.min(deepest));
-        }
-        self.deviate(parts.deviation);
+    fn accept(
+        &mut self,
+        square: Square,
+        parts: Division,
+        open: &mut Vec<Square>,
+    ) -> Result<(), MeshError> {
+        let refined = parts.refine(&mut self.found.net, square, open);
+        self.found.triangles += refined.triangles;
+        self.found.proven &= refined.fits;
+        self.deviate(parts.deviation());
         self.demand.allows(self.found.triangles)
     }
 
@@ -509,13 +506,21 @@ impl<'a> Work<'a> {
         let middle = place.uv.map(Interval::mid);
         self.surface
             .jet_into(middle, Default::default(), 2, &mut jet);
-        self.is_far(Framed::new(place, &jet.map(Box3::point)).as_ref())
+        let framed = Framed::new(place, &jet.map(Box3::point));
+        self.is_far(place, framed.as_ref())
     }
 
-    /// True if a square needs more than [`FAR`] bisections at best.
-    fn is_far(&self, framed: Option<&Framed>) -> bool {
-        let level = framed.and_then(|f| f.within_reach().level(self.demand.tol, 0.0));
-        level.is_some_and(|(level, _)| level > FAR)
+    /// True if a square needs more bisections at best than are looked at together.
+    fn is_far(&self, place: &Place, framed: Option<&Framed>) -> bool {
+        self.at_best(framed).is_some_and(|level| {
+            level > FAR && (level > MOST || !self.pieces.is_in_one(place.uv))
+        })
+    }
+
+    /// The bisections that a square would need if its derivatives were constant.
+    fn at_best(&self, framed: Option<&Framed>) -> Option<u32> {
+        let (level, _) = framed?.within_reach().level(self.demand.tol, 0.0)?;
+        Some(level)
     }
 
     /// See [`Place::least`].
@@ -531,14 +536,17 @@ impl<'a> Work<'a> {
         let around = place.surroundings();
         let mut enclosed = self.pieces.enclose(around);
         let mut framed = Framed::new(place, &enclosed.jet);
-        let coarse = self.is_far(framed.as_ref());
-        let inside = (0..2).all(|d| !place.touches(d));
-        let local = if inside && !coarse && framed.is_some() {
+        let coarse = self.is_far(place, framed.as_ref());
+        let local = if !coarse && framed.is_some() {
             self.pieces.local(place.uv)
         } else {
             None
         };
-        if !(enclosed.sharp || coarse || local.is_some()) {
+        let inside = place.is_inside();
+        // What is known about the square itself says enough about it, or about its parts.
+        let many = || self.at_best(framed.as_ref()) > Some(SETTLED);
+        let known = local.is_some() && (inside || many());
+        if !(enclosed.sharp || coarse || known) {
             enclosed = self.pieces.sharpened(enclosed, around);
             framed = Framed::new(place, &enclosed.jet);
         }
@@ -584,7 +592,7 @@ impl<'a> Work<'a> {
             .iter()
             .map(|r| 2.0 * f64::EPSILON * r.mag() / r.width());
         let grain = grain.fold(0.0, f64::max);
-        let reach = framed.as_ref().map(Framed::within_reach);
+        let least = self.at_best(framed.as_ref()).unwrap_or(0);
         let slides = |f: &Framed| proven && f.between(self.demand.tol) <= self.between;
         let framed = framed.filter(slides);
         let (framed, local) = (framed.as_ref(), local.as_ref());
@@ -598,15 +606,16 @@ impl<'a> Work<'a> {
                 ..Judged::UNKNOWN
             });
         };
+        // Bounds of whole squares say too much about their parts.
+        let inner = level.min(least + 1);
         let parts = match (framed, local) {
-            (Some(framed), Some(local)) if (SETTLED + 1..=MOST).contains(&level) => {
-                Halved::new(framed, place, local, level, grain, tol)
+            (Some(framed), Some(local)) if (SETTLED + 1..=MOST).contains(&inner) => {
+                Division::new(&Parts::new(framed, place, local), inner, grain, tol)
             }
             _ => None,
         };
         // With hardly a bisection if all goes well: measuring says for each number of bisections what the bound says for
         // `level` and more.
-        let least = reach.and_then(|r| r.level(tol, grain)).map_or(0, |r| r.0);
         // Of many small squares, some triangles more cost less than measuring.
         let small = local.is_some_and(|l| du * dv <= SMALL * 4.0 * l.half[0] * l.half[1]);
         if framed.is_some()
@@ -653,48 +662,6 @@ impl<'a> Work<'a> {
     }
 }
 
-/// What the equal parts of a square need.
-struct Halved {
-    /// How often the square is halved along each direction.
-    depth: u32,
-    /// The bisections of the parts, v fastest.
-    levels: Vec<u32>,
-    triangles: f64,
-    deviation: f64,
-}
-
-impl Halved {
-    /// The parts of a square that needs so many bisections, such that the finest of them are settled; `None` if what is
-    /// known is too little to say that they need hardly more than their second derivatives ask for.
-    fn new(
-        framed: &Framed,
-        place: &Place,
-        local: &Local,
-        level: u32,
-        grain: f64,
-        tol: f64,
-    ) -> Option<Self> {
-        let depth = (level - 1) / SETTLED;
-        let n = 1 << depth;
-        let grain = grain * n as f64;
-        let mut out = Self {
-            depth,
-            levels: Vec::with_capacity(n * n),
-            triangles: 0.0,
-            deviation: 0.0,
-        };
-        let mut fewest = 0.0;
-        for [bound, best] in Parts::new(framed, place, local).all(n) {
-            let (level, deviation) = bound.level(tol, grain)?;
-            out.levels.push(level);
-            out.triangles += 2.0f64.powi(level as i32 + 1);
-            out.deviation = out.deviation.max(deviation);
-            fewest += 2.0f64.powi(best.level(tol, 0.0)?.0 as i32 + 1);
-        }
-        (out.triangles <= ENOUGH_KNOWN * fewest).then_some(out)
-    }
-}
-
 /// What is known about a square.
 struct Judged {
     /// The bisections that it needs.
@@ -704,7 +671,7 @@ struct Judged {
     least: u32,
     proven: bool,
     /// What its parts need, if that is worth a look.
-    parts: Option<Halved>,
+    parts: Option<Division>,
 }
 
 impl Judged {

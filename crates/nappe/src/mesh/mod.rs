@@ -21,11 +21,13 @@ use patch::{Builder, Collapsed};
 use shared::Edge;
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::mem::take;
 use std::sync::{Mutex, PoisonError};
 use stitch::Border;
 
 mod bisection;
 mod bound;
+mod division;
 pub(crate) mod closing;
 mod flatten;
 mod joints;
@@ -337,26 +339,29 @@ impl Task<'_> {
             patch
         };
         let patches = parallel::each(self.threads, laid.len(), work, Result::is_err);
-        let patches: Vec<Patch> = patches.into_iter().collect::<Result<_, _>>()?;
+        let mut patches: Vec<Patch> = patches.into_iter().collect::<Result<_, _>>()?;
         let turned_over = |i: &usize| patches[*i].turned_over;
         let turned_over: Vec<usize> = (0..patches.len()).filter(turned_over).collect();
         if !turned_over.is_empty() {
             return Ok(Built::TurnedOver(turned_over));
         }
         let shared = points.len();
-        points.reserve_exact(patches.iter().map(|p| p.own.len()).sum());
-        let numbered = |mut p: Patch| {
-            let shift = (points.len() - shared) as u32;
-            if shift > 0 {
-                let own = |v: &&mut MeshVertex| v.point as usize >= shared;
-                let vertices = p.patch.vertices.iter_mut();
-                vertices.filter(own).for_each(|v| v.point += shift);
-            }
-            points.extend(p.own);
-            p.patch
-        };
-        let patches = patches.into_iter().map(numbered).collect();
-        Ok(Built::Whole(Mesh { points, patches }))
+        let count = shared + patches.iter().map(|p| p.own.len()).sum::<usize>();
+        // Those of the first patch, after the shared ones, have their numbers already.
+        let mut all = patches.first_mut().map_or_else(Vec::new, |p| take(&mut p.own));
+        all.reserve_exact(count - all.len());
+        all.splice(..0, points);
+        for p in patches.iter_mut().skip(1) {
+            let shift = (all.len() - shared) as u32;
+            let own = |v: &&mut MeshVertex| v.point as usize >= shared;
+            let vertices = p.patch.vertices.iter_mut();
+            vertices.filter(own).for_each(|v| v.point += shift);
+            all.append(&mut p.own);
+        }
+        Ok(Built::Whole(Mesh {
+            points: all,
+            patches: patches.into_iter().map(|p| p.patch).collect(),
+        }))
     }
 
     /// Makes the two ends of each line that is one point the same point, wherever they are used.

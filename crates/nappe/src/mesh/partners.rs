@@ -229,9 +229,15 @@ pub(super) struct Place {
 }
 
 impl Place {
-    pub(super) fn touches(&self, d: usize) -> bool {
+    /// True if a side of the block is at the lower and at the upper end along a direction.
+    pub(super) fn touches(&self, d: usize) -> [bool; 2] {
         let (r, b) = (self.uv[d], self.block[d]);
-        r.lo <= b.lo || r.hi >= b.hi
+        [r.lo <= b.lo, r.hi >= b.hi]
+    }
+
+    /// True if no side of the block is along the square.
+    pub(super) fn is_inside(&self) -> bool {
+        (0..2).all(|d| self.touches(d) == [false; 2])
     }
 
     /// The rectangle in which partners are looked for.
@@ -250,6 +256,13 @@ impl Place {
     pub(super) fn room(&self, d: usize) -> [f64; 2] {
         let (r, around) = (self.uv[d], self.surroundings()[d]);
         [r.lo - around.lo, around.hi - r.hi].map(|x| x.min(ROOM * self.least[d]) / r.width())
+    }
+
+    /// How far partners of what does not touch a side of the block may be away beyond its ends.
+    pub(super) fn room_inside(&self, d: usize) -> f64 {
+        let (room, touches) = (self.room(d), self.touches(d));
+        let inner = (0..2).filter(|&k| !touches[k]).map(|k| room[k]);
+        inner.fold(ROOM * self.least[d] / self.uv[d].width(), f64::min)
     }
 }
 
@@ -305,7 +318,8 @@ impl Framed {
         let moved = [0, 1].map(|k| length2(x[k], y[k]) / least);
         let single = |x| Lanes(Single, x);
         let (norms, first) = (sized.norms().map(single), [a, b].map(single));
-        let partners = partners(norms, first, moved.map(single), room(place).map(single));
+        let room = [0, 1].map(|d| single(place.room_inside(d)));
+        let partners = partners(norms, first, moved.map(single), room);
         let [added, slip] = partners.map(|both| both.map(|x| x.1));
         Bound {
             error: [0, 1].map(|k| z[k] + mx * x[k] + my * y[k]),
@@ -337,11 +351,6 @@ pub(super) fn partners<R: Registers>(
     ]
 }
 
-/// How far partners may be away along u and v, as shares of the size.
-pub(super) fn room(place: &Place) -> [f64; 2] {
-    [0, 1].map(|d| place.room(d)).map(|[a, b]| a.min(b))
-}
-
 /// Bounds for a square of the quadtree, from an enclosure over its surroundings and what is known about the square itself.
 /// Partners have other parameters only if it is `framed`.
 pub(super) fn bounds(
@@ -358,7 +367,7 @@ pub(super) fn bounds(
         return out;
     }
     if let Some(framed) = framed {
-        match [0, 1].map(|d| place.touches(d)) {
+        match [0, 1].map(|d| place.touches(d) != [false; 2]) {
             [false, false] => out.push(framed.inside(place, local)),
             [false, true] => out.extend(along(place, jet, 0)),
             [true, false] => out.extend(along(place, jet, 1)),

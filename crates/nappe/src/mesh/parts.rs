@@ -6,7 +6,7 @@
 //! another frame in each part.
 
 use super::bound::ROUND_UP;
-use super::partners::{Bound, Framed, Place, length2, middle, partners, rest, room};
+use super::partners::{Bound, Framed, Place, length2, middle, partners, rest};
 use super::pieces::{Local, ORDER, Polynomial, falling, powers};
 use crate::scalar::Pack;
 use crate::simd::{InstructionSet, Kernel, Lanes, Registers, Single, cross, dot};
@@ -26,6 +26,8 @@ const MIXED: f64 = 0.0625;
 /// `N_z ≥ |a × b| - |a| B - |b| A - A B`, and of `e` there remains at most `|e_z| + |e_xy| |N_xy| / N_z`.
 pub(super) struct Parts {
     room: [f64; 2],
+    /// Along u and v, whether a side of the block is at the lower and at the upper end.
+    touches: [[bool; 2]; 2],
     /// The normal of the square's frame, and how far `e` goes within the plane across and out of it.
     z: DVec3,
     within: [f64; 2],
@@ -60,7 +62,8 @@ impl Parts {
         let off = |a: usize, b: usize| local.off[jet_index(a, b)] * (u[a] * v[b] * ROUND_UP);
         let [x, y, across] = framed.errors();
         Self {
-            room: room(place),
+            room: [0, 1].map(|d| place.room_inside(d)),
+            touches: [0, 1].map(|d| place.touches(d)),
             z: framed.turn.row(2),
             within: [0, 1].map(|k| length2(x[k], y[k])),
             across,
@@ -82,6 +85,14 @@ impl Parts {
             out: &mut out,
         });
         out
+    }
+
+    /// True if a part of so many lies at a side of the block: its bound does not hold.
+    pub(super) fn touch(&self, at: [usize; 2], count: usize) -> bool {
+        (0..2).any(|d| {
+            let [lower, upper] = self.touches[d];
+            (lower && at[d] == 0) || (upper && at[d] + 1 == count)
+        })
     }
 
     /// The bound for the square, if it is the only part.
@@ -150,7 +161,9 @@ impl Parts {
             within[k] = aside * self.across[k] + Lanes::splat(r, self.within[k]);
             moved[k] = within[k] / least;
         }
-        let [mut added, mut slip] = partners(norms, long, moved, splat(r, self.room));
+        // Sides of the block are no nearer than a part is wide.
+        let room = splat(r, self.room.map(|room| room.min(share)));
+        let [mut added, mut slip] = partners(norms, long, moved, room);
         let (mut best, off) = (middle(mid), rest(rad));
         // The middles of longest sides are at most half a part away from its middle.
         let skew_u = rest([third[0], third[1], third[2]]);
@@ -315,7 +328,7 @@ impl Kernel for All<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bisection::{Bisection, Square};
+    use super::super::bisection::{Bisection, CELL, Square};
     use super::*;
     use crate::box3::Box3;
     use crate::interval::Interval;
@@ -445,8 +458,11 @@ mod tests {
             let framed = Framed::new(&place, &graph.jet(0.5625)).expect("the normal stays up");
             for depth in 0..3 {
                 let parts = Parts::new(&framed, &place, &graph.local());
-                let all = Square::cell([0, 0]).parts(depth).zip(parts.all(1 << depth));
-                for (k, (part, [bound, best])) in all.enumerate() {
+                let n = 1 << depth;
+                for (k, [bound, best]) in parts.all(n).into_iter().enumerate() {
+                    let size = CELL >> depth;
+                    let corner = [k / n, k % n].map(|i| i as u64 * size);
+                    let part = Square { corner, depth };
                     // Some of them are enough.
                     if (k + round) % 3 != 0 {
                         continue;

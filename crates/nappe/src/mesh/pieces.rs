@@ -99,7 +99,7 @@ impl<'a> Pieces<'a> {
         let hull = quarters.reduce(|a, b| std::array::from_fn(|k| a[k].hull(b[k])));
         let mut jet = hull.map_or(enclosed.jet, |hull| meet(hull, enclosed.jet));
         // Over several pieces, whose expansions are hulled, the surface's own enclosure tells more.
-        if self.covered(uv).iter().any(|range| range.len() != 1) {
+        if !self.is_in_one(uv) {
             jet = meet(jet, Enclosed::direct(self.surface, uv).jet);
         }
         Enclosed { jet, ..enclosed }
@@ -107,14 +107,18 @@ impl<'a> Pieces<'a> {
 
     /// What is known about a small rectangle in one piece.
     pub(super) fn local(&self, uv: [Interval; 2]) -> Option<Local> {
-        let range = self.covered(uv);
-        if range.iter().any(|range| range.len() != 1) {
+        if !self.is_in_one(uv) {
             return None;
         }
-        let (tile, place) = self.piece(range.map(|range| range.start));
+        let (tile, place) = self.piece(self.covered(uv).map(|range| range.start));
         let mut hull = None;
         tile[place].join(self, uv, &mut hull);
         hull.and_then(|h| h.local)
+    }
+
+    /// True for a rectangle in one piece.
+    pub(super) fn is_in_one(&self, uv: [Interval; 2]) -> bool {
+        self.covered(uv).iter().all(|range| range.len() == 1)
     }
 
     /// The pieces that a rectangle covers along u and v.
