@@ -5,8 +5,8 @@
 //! which these bounds are not for, are left open.
 
 use super::bisection::{Bisection, DEPTH, Square};
-use super::parts::Parts;
 use super::partners::Bound;
+use super::parts::Parts;
 
 /// With so few bisections, looking at the parts of a square saves hardly a triangle.
 pub(super) const SETTLED: u32 = 2;
@@ -188,4 +188,105 @@ pub(super) struct Refined {
     pub(super) fits: bool,
     /// Those of the parts that are not open.
     pub(super) triangles: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::partners::{Framed, Place};
+    use super::super::pieces::Pieces;
+    use super::*;
+    use crate::basis::BSplineBasis;
+    use crate::exact::NurbsSurface;
+    use crate::interval::Interval;
+    use crate::surface::Surface;
+    use glam::DVec3;
+
+    const TOL: f64 = 1e-4;
+
+    /// `z = (1 + 3 u)³ (1 + 3 v)³ / 4⁸`, which bends most in one corner.
+    fn surface() -> NurbsSurface {
+        const DEGREE: usize = 3;
+        let at = |i: usize| i as f64 / DEGREE as f64;
+        let numbers = (0..=DEGREE).flat_map(|i| (0..=DEGREE).map(move |j| [i, j]));
+        let points: Vec<DVec3> = numbers
+            .map(|[i, j]| DVec3::new(at(i), at(j), 0.25f64.powi((2 * DEGREE + 2 - i - j) as i32)))
+            .collect();
+        let knots = BSplineBasis::clamped_uniform(DEGREE, DEGREE + 1);
+        let knots = [knots.clone(), knots];
+        NurbsSurface::new([DEGREE; 2], knots, &points, None).expect("a regular surface")
+    }
+
+    /// The division of its domain, as if it ended at some sides.
+    fn divided(touches: [[bool; 2]; 2], level: u32) -> Division {
+        let surface = surface();
+        let place = Place {
+            uv: surface.domain(),
+            block: touches.map(|[lower, upper]| {
+                let beyond = |at: bool| if at { 0.0 } else { 1.0 };
+                Interval::new(-beyond(lower), 1.0 + beyond(upper))
+            }),
+            least: [1.0; 2],
+        };
+        let pieces = Pieces::new(&surface, TOL);
+        let jet = surface.enclose(place.uv, 2);
+        let framed = Framed::new(&place, &jet).expect("the normal stays up");
+        let local = pieces.local(place.uv).expect("it is one piece");
+        let parts = Parts::new(&framed, &place, &local);
+        Division::new(&parts, level, 0.0, TOL).expect("it is smooth")
+    }
+
+    fn net() -> Bisection {
+        Bisection::new([vec![0.0, 1.0], vec![0.0, 1.0]])
+    }
+
+    #[test]
+    fn squares_are_as_large_as_their_curvature_allows() {
+        let division = divided([[false; 2]; 2], 9);
+        let (mut net, mut open) = (net(), Vec::new());
+        let refined = division.refine(&mut net, Square::cell([0, 0]), &mut open);
+        assert!(refined.fits && open.is_empty() && division.deviation() <= TOL);
+        assert_eq!(refined.triangles, division.triangles());
+        // What the neighbours of small squares need comes on top.
+        let (mut count, mut least) = (0.0, f64::INFINITY);
+        let numbered = net.numbered();
+        numbered.triangles([0, 0], |t| {
+            let [a, b, c] = t.map(|k| net.uv(numbered.places[k as usize]));
+            let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            least = least.min(0.5 * twice);
+            count += 1.0;
+        });
+        assert!((refined.triangles..1.2 * refined.triangles).contains(&count));
+        // As small as in the corner where it bends most, there would be many more.
+        assert!(count < 0.5 / least, "{count} of {}", 1.0 / least);
+    }
+
+    #[test]
+    fn squares_along_sides_are_left_open() {
+        for touches in [
+            [[true, false], [false, false]],
+            [[false, true], [true, false]],
+            [[true, true], [true, true]],
+        ] {
+            let (mut net, mut open) = (net(), Vec::new());
+            divided(touches, 9).refine(&mut net, Square::cell([0, 0]), &mut open);
+            let last = Square::cell([0, 0]).upper();
+            // Together they are as long as the sides, but for the corners.
+            let mut along = [[0; 2]; 2];
+            for square in &open {
+                let (lower, upper) = (square.corner, square.upper());
+                let at = [0, 1].map(|d| [lower[d] == 0, upper[d] == last[d]]);
+                assert!((0..2).any(|d| (0..2).any(|e| at[d][e] && touches[d][e])));
+                for (d, e) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                    if at[d][e] {
+                        along[d][e] += square.size();
+                    }
+                }
+            }
+            for (d, e) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+                if touches[d][e] {
+                    assert_eq!(along[d][e], last[0], "{touches:?}");
+                }
+            }
+        }
+    }
 }

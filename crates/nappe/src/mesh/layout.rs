@@ -1,8 +1,8 @@
 //! The division of a surface's domain into triangles of the plane of its parameters.
 //!
 //! The domain is cut where the surface is not C¹. Each of these blocks gets a net of lines (`roots`), and each of their
-//! cells is bisected (`bisection`) as often as its squares need (`partners`, `parts`, `measured`), unless the whole block is
-//! proven as a grid (`bound`, `slide`).
+//! cells is bisected (`bisection`) as often as its squares need (`partners`, `division`, `measured`), unless the whole block
+//! is proven as a grid (`bound`, `slide`).
 
 use super::bisection::{Bisection, DEPTH, Square};
 use super::bound::{Bend, ROUND_UP, sampled};
@@ -437,16 +437,14 @@ impl<'a> Work<'a> {
         let judged = self.judge(&place, square)?;
         let level = match judged.level {
             Some(level) if level <= SETTLED || !deeper => level,
-            Some(level) => {
-                match judged.parts {
-                    Some(parts) if parts.triangles() < triangles(level) => {
-                        self.found.proven &= judged.proven;
-                        return self.accept(square, parts, open);
-                    }
-                    None if judged.least < level => return self.quarter(square, open),
-                    _ => level,
+            Some(level) => match judged.parts {
+                Some(parts) if parts.triangles() < triangles(level) => {
+                    self.found.proven &= judged.proven;
+                    return self.accept(square, parts, open);
                 }
-            }
+                None if judged.least < level => return self.quarter(square, open),
+                _ => level,
+            },
             None if deeper => return self.quarter(square, open),
             // Nothing can be said, even about the smallest square.
             _ => {
@@ -512,9 +510,8 @@ impl<'a> Work<'a> {
 
     /// True if a square needs more bisections at best than are looked at together.
     fn is_far(&self, place: &Place, framed: Option<&Framed>) -> bool {
-        self.at_best(framed).is_some_and(|level| {
-            level > FAR && (level > MOST || !self.pieces.is_in_one(place.uv))
-        })
+        self.at_best(framed)
+            .is_some_and(|level| level > FAR && (level > MOST || !self.pieces.is_in_one(place.uv)))
     }
 
     /// The bisections that a square would need if its derivatives were constant.

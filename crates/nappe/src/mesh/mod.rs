@@ -4,8 +4,8 @@
 //!
 //! 1. `shared`: which sides of the surfaces are the same curve, which are one point;
 //! 2. `layout`: each domain is cut into triangles by a net of lines (`roots`) and `bisection`, until bounds prove the
-//!    tolerance: those of `partners`, `parts` and `measured` for squares, those of `bound` and `slide` for a grid over a
-//!    smooth part;
+//!    tolerance: those of `partners`, `parts` (for a `division` of all parts at once) and `measured` for squares, those of
+//!    `bound` and `slide` for a grid over a smooth part;
 //! 3. `stitch`: the vertices on a shared side are the union of what its surfaces ask for, as points of the first of them;
 //! 4. `patch`: the triangles get their vertices, and those on a side also take in what other surfaces asked for.
 //!
@@ -20,15 +20,15 @@ use layout::{Demand, Layout, layout};
 use patch::{Builder, Collapsed};
 use shared::Edge;
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::mem::take;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use stitch::Border;
 
 mod bisection;
 mod bound;
-mod division;
 pub(crate) mod closing;
+mod division;
 mod flatten;
 mod joints;
 mod layout;
@@ -348,7 +348,9 @@ impl Task<'_> {
         let shared = points.len();
         let count = shared + patches.iter().map(|p| p.own.len()).sum::<usize>();
         // Those of the first patch, after the shared ones, have their numbers already.
-        let mut all = patches.first_mut().map_or_else(Vec::new, |p| take(&mut p.own));
+        let mut all = patches
+            .first_mut()
+            .map_or_else(Vec::new, |p| take(&mut p.own));
         all.reserve_exact(count - all.len());
         all.splice(..0, points);
         for p in patches.iter_mut().skip(1) {

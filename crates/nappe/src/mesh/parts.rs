@@ -97,9 +97,7 @@ impl Parts {
 
     /// The bound for the square, if it is the only part.
     pub(super) fn whole(&self) -> Bound {
-        self.bounds([Lanes(Single, 0.0); 2], 1)
-            .map(|x| x.1)
-            .told()[0]
+        self.bounds([Lanes(Single, 0.0); 2], 1).map(|x| x.1).told()[0]
     }
 
     /// Those for parts with their middles there, in shares of the square from its middle.
@@ -310,7 +308,9 @@ impl Kernel for All<'_> {
                 x[lane] = ((k / n) as f64 + 0.5) * share - 0.5;
                 y[lane] = ((k % n) as f64 + 0.5) * share - 0.5;
             }
-            let bounds = self.parts.bounds([Lanes::load(r, &x), Lanes::load(r, &y)], n);
+            let bounds = self
+                .parts
+                .bounds([Lanes::load(r, &x), Lanes::load(r, &y)], n);
             let bounds = bounds.map(
                 #[inline(always)]
                 |x| {
@@ -375,7 +375,12 @@ mod tests {
             for (i, j, x) in of {
                 terms[i][j].z = x;
             }
-            let of = [(3, 0, p / 6.0), (2, 1, 0.5 * q), (1, 2, 0.5 * r), (0, 3, s / 6.0)];
+            let of = [
+                (3, 0, p / 6.0),
+                (2, 1, 0.5 * q),
+                (1, 2, 0.5 * r),
+                (0, 3, s / 6.0),
+            ];
             for (i, j, x) in of {
                 terms[i][j].z = x;
             }

@@ -164,7 +164,7 @@ impl Builder<'_> {
             layout.net.lines[d].iter().map(is_cut).collect()
         });
         let is_special = |place: &Place| {
-            (0..2).any(|d| place[d] % CELL == 0 && cuts[d][(place[d] >> DEPTH) as usize])
+            (0..2).any(|d| place[d].is_multiple_of(CELL) && cuts[d][(place[d] >> DEPTH) as usize])
         };
         let (mut plain, mut special) = (Vec::with_capacity(net.places.len()), Vec::new());
         let number = |place: &Place| {
@@ -510,8 +510,7 @@ impl Builder<'_> {
                 if v < plain && self.patch.vertices[v].normal == DVec3::ZERO {
                     let middle = middle(t.map(|v| self.patch.vertices[v].uv));
                     let uv = self.patch.vertices[v].uv;
-                    self.patch.vertices[v].normal =
-                        self.normal_near(uv, middle, [Limit::Above; 2]);
+                    self.patch.vertices[v].normal = self.normal_near(uv, middle, [Limit::Above; 2]);
                 }
             }
         }
@@ -545,7 +544,10 @@ impl Builder<'_> {
 
 /// True for triangles that are not of the net of lines, whose edges run along u and v.
 fn is_halved(corners: [Place; 3]) -> bool {
-    corners.as_flattened().iter().any(|x| x % CELL != 0)
+    corners
+        .as_flattened()
+        .iter()
+        .any(|x| !x.is_multiple_of(CELL))
 }
 
 /// The middle of a triangle.

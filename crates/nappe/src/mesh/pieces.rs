@@ -558,7 +558,8 @@ mod tests {
                             let mut told = DVec3::ZERO;
                             for (i, j) in ALL.into_iter().filter(|&(i, j)| i >= a && j >= b) {
                                 let powers = s.powi((i - a) as i32) * t.powi((j - b) as i32);
-                                told += local.terms[i][j] * (powers * falling(i, a) * falling(j, b));
+                                told +=
+                                    local.terms[i][j] * (powers * falling(i, a) * falling(j, b));
                             }
                             let half = local.half[0].powi(a as i32) * local.half[1].powi(b as i32);
                             let off = (jet.d[k] * half - told).abs();
