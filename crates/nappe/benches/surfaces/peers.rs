@@ -34,8 +34,10 @@ pub(crate) fn add(rows: &mut [Row]) {
         ) else {
             continue;
         };
-        // The first row of a task is the one with the shared inputs.
-        if let Some(row) = rows.iter_mut().find(|r| r.task == task) {
+        // The first row of a task is the one with the shared inputs, unless the kind is named.
+        let kind = figure["kind"].as_str();
+        let is_meant = |r: &&mut Row| r.task == task && kind.is_none_or(|kind| r.kind == kind);
+        if let Some(row) = rows.iter_mut().find(is_meant) {
             row.peers.push((peer.into(), ns));
         }
     }
