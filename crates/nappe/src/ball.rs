@@ -133,7 +133,8 @@ impl Ball3 {
     #[inline]
     pub(crate) fn length(self) -> f64 {
         let [x, y, z] = self.to_array().map(Ball::mag);
-        (x * x + y * y + z * z).sqrt() * ROUND_UP
+        // Squares may be lost below the smallest number.
+        (x * x + y * y + z * z + f64::MIN_POSITIVE).sqrt() * ROUND_UP
     }
 }
 

@@ -480,12 +480,6 @@ impl<R: Registers> Lanes<R> {
         self.where_greater(other, [self, other])
     }
 
-    /// In each lane the smaller one; `self` where one is NaN.
-    #[inline(always)]
-    pub(crate) fn min(self, other: Self) -> Self {
-        self.where_greater(other, [other, self])
-    }
-
     /// In lanes that are greater than those of `other` the first of two numbers, else the second one.
     #[inline(always)]
     pub(crate) fn where_greater(self, other: Self, of: [Self; 2]) -> Self {

@@ -70,13 +70,17 @@ impl Part {
                     let at = if r > d - a { t.hi } else { t.lo };
                     for j in (r..=d).rev() {
                         let [from, to] = [span + j - d, span + j + 1 - r].map(|k| knots[k]);
-                        let (rest, s) = ((to - at) / (to - from), (at - from) / (to - from));
+                        let width = to - from;
+                        let (rest, s) = ((to - at) / width, (at - from) / width);
                         let (before, this) = x.split_at_mut(j * wide);
                         let before = &before[(j - 1) * wide..];
                         for unit in 0..points {
                             this[unit] = rest * before[unit] + s * this[unit];
                         }
                         this[points] = rest.abs() * before[points] + s.abs() * this[points];
+                        if width.is_infinite() {
+                            this[points] = f64::NAN;
+                        }
                     }
                 }
                 let row = &x[d * wide..][..wide];
@@ -181,11 +185,13 @@ pub(super) fn derivatives(
         // The numbers of both matrices, and for each sum as many roundings as it has terms.
         let roundings = (6 * (nu + nv)) as f64 * ROUNDING;
         for (j, ([lo, hi], b)) in hulls.iter().zip(&v.orders).enumerate() {
-            let both = a.size * b.size;
             for c in 0..4 {
-                let error = both * (roundings * size[c] + off[c]) * ROUND_UP;
+                // Where a sum may overflow, this does.
+                let reach = b.size * (a.size * size[c]);
+                let error = (reach * roundings + b.size * (a.size * off[c])) * ROUND_UP;
                 // Products below the smallest number lose more than their share.
-                let least = f64::MIN_POSITIVE * (1.0 + size[c] + a.size + b.size);
+                let factors = (1.0 + size[c]) * (1.0 + a.size) * (1.0 + b.size);
+                let least = f64::MIN_POSITIVE * factors;
                 out[jet_index(i, j)][c] = interval(lo[c], hi[c], error + least);
             }
         }
@@ -206,5 +212,48 @@ fn interval(lo: f64, hi: f64, error: f64) -> Interval {
         Interval { lo, hi }
     } else {
         Interval::ENTIRE
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::exact::NurbsSurface;
+    use crate::interval::Interval;
+    use crate::surface::{Surface, jet_index};
+    use glam::DVec3;
+
+    /// A bicubic patch over `u` and the unit interval with these heights along u.
+    fn patch(heights: [f64; 4], u: [f64; 2]) -> NurbsSurface {
+        let points: Vec<DVec3> = (0..16)
+            .map(|k| DVec3::new(0.0, (k % 4) as f64 / 3.0, heights[k / 4]))
+            .collect();
+        let knots = [u, [0.0, 1.0]].map(|t| t.into_iter().flat_map(|t| [t; 4]).collect());
+        NurbsSurface::new([3, 3], knots, &points, None).expect("a patch")
+    }
+
+    #[test]
+    fn sums_that_overflow_are_not_left_out() {
+        let z = 5e307;
+        let patch = patch([-z, z, z, -z], [0.0, 1.0]);
+        let jet = patch.enclose([Interval::new(0.0, 1.0); 2], 1);
+        let slope = |u: f64| 3.0 * ((2.0 * z) * (1.0 - u).powi(2) - (2.0 * z) * u.powi(2));
+        for u in [0.0, 0.3, 1.0] {
+            assert!(jet[jet_index(1, 0)].z.contains(slope(u)), "{u}");
+        }
+    }
+
+    #[test]
+    fn derivatives_beyond_all_numbers_have_no_bound() {
+        let w = 7e-154;
+        let patch = patch([5.0, -5.0, 5.0, 15.0], [0.0, w]);
+        let jet = patch.enclose([Interval::new(0.0, w), Interval::new(0.0, 1.0)], 2);
+        assert!(!jet[jet_index(2, 0)].z.is_finite());
+    }
+
+    #[test]
+    fn domains_wider_than_all_numbers_have_no_bound() {
+        let patch = patch([0.0, 1.0, 2.0, 3.0], [-1e308, 1e308]);
+        let jet = patch.enclose([Interval::new(-1.0, 1.0), Interval::new(0.0, 1.0)], 1);
+        assert!(!jet[0].is_finite() || jet[0].z.contains(1.5));
     }
 }

@@ -10,8 +10,9 @@ use super::parts::Parts;
 
 /// With so few bisections, looking at the parts of a square saves hardly a triangle.
 pub(super) const SETTLED: u32 = 2;
-/// Parts that need this many times the triangles that their second derivatives ask for are enclosed by themselves.
-const ENOUGH_KNOWN: f64 = 1.5;
+/// A square that would get this many times the triangles that its second derivatives ask for is quartered or measured. As
+/// sizes go in powers of two, half as many more than these are common.
+const ENOUGH_KNOWN: f64 = 2.0;
 
 /// The division of a square.
 pub(super) struct Division {
@@ -68,7 +69,7 @@ impl Node {
 
 /// Those of a square after some bisections.
 pub(super) fn triangles(level: u32) -> f64 {
-    2.0 * (1u64 << level) as f64
+    2.0f64.powi(level as i32 + 1)
 }
 
 impl Division {
@@ -77,6 +78,7 @@ impl Division {
     pub(super) fn new(parts: &Parts, level: u32, grain: f64, tol: f64) -> Option<Self> {
         // The smallest parts are about settled.
         let depth = (level - 1) / SETTLED;
+        let mut fewest = 0.0;
         let mut sizes: Vec<Vec<Node>> = Vec::with_capacity(depth as usize + 1);
         for depth in (0..=depth).rev() {
             let n = 1 << depth;
@@ -109,26 +111,15 @@ impl Division {
             };
             let nodes = nodes?;
             if sizes.is_empty() {
-                let (mut needed, mut fewest) = (0.0, 0.0);
-                for (node, [_, best]) in nodes.iter().zip(&bounds) {
-                    if let Choice::Settled(level) = node.choice {
-                        let least = if level == 0 {
-                            0
-                        } else {
-                            best.level(tol, 0.0)?.0
-                        };
-                        needed += node.triangles;
-                        fewest += triangles(least);
-                    }
-                }
-                if needed > ENOUGH_KNOWN * fewest {
-                    return None;
-                }
+                // Twice the triangles have half the error.
+                let errors = bounds.iter().map(|[_, best]| best.error[0] / tol);
+                fewest = 2.0 * errors.sum::<f64>();
             }
             sizes.push(nodes);
         }
         sizes.reverse();
-        Some(Self { sizes })
+        let found = Self { sizes };
+        (found.triangles() <= ENOUGH_KNOWN * fewest).then_some(found)
     }
 
     pub(super) fn triangles(&self) -> f64 {

@@ -29,10 +29,12 @@ const MAX_DEPTH: u32 = DEPTH - 4;
 /// The depth at which a surface that cannot bound its position is sampled. Less, and surfaces whose enclosures are merely
 /// loose over large rectangles are not proven; more, and surfaces that never bound themselves cost much.
 const PATIENCE: u32 = 4;
-/// Squares that need more bisections than this are better looked at in parts than enclosed.
+/// Squares over several pieces that need more bisections than this are better looked at in parts than enclosed.
 const FAR: u32 = LEVELS + 2;
-/// The most bisections of a square whose parts are judged together.
+/// The most bisections of a square in one piece whose parts are judged together.
 const MOST: u32 = 12;
+/// So parts can be halved too.
+const _: () = assert!(MAX_DEPTH + (MOST - 1) / SETTLED <= DEPTH + 1);
 /// Squares of at most this share of a piece are not measured for one bisection.
 const SMALL: f64 = 1.0 / 32.0;
 /// Samples of the curvature along each direction.
@@ -463,10 +465,11 @@ impl<'a> Work<'a> {
         let deepest = 2 * (DEPTH - square.depth);
         self.found.proven &= level <= deepest;
         self.found.triangles += triangles(level);
+        self.demand.allows(self.found.triangles)?;
         self.found.net.refine(square, level.min(deepest));
         self.found.proven &= judged.proven;
         self.deviate(judged.deviation);
-        self.demand.allows(self.found.triangles)
+        Ok(())
     }
 
     /// Takes note of a deviation of points of the mesh.
@@ -483,11 +486,13 @@ impl<'a> Work<'a> {
         parts: Division,
         open: &mut Vec<Square>,
     ) -> Result<(), MeshError> {
+        self.demand
+            .allows(self.found.triangles + parts.triangles())?;
         let refined = parts.refine(&mut self.found.net, square, open);
         self.found.triangles += refined.triangles;
         self.found.proven &= refined.fits;
         self.deviate(parts.deviation());
-        self.demand.allows(self.found.triangles)
+        Ok(())
     }
 
     /// Leaves a square to its children.
@@ -505,12 +510,12 @@ impl<'a> Work<'a> {
         self.surface
             .jet_into(middle, Default::default(), 2, &mut jet);
         let framed = Framed::new(place, &jet.map(Box3::point));
-        self.is_far(place, framed.as_ref())
+        self.is_far(place, self.at_best(framed.as_ref()))
     }
 
     /// True if a square needs more bisections at best than are looked at together.
-    fn is_far(&self, place: &Place, framed: Option<&Framed>) -> bool {
-        self.at_best(framed)
+    fn is_far(&self, place: &Place, at_best: Option<u32>) -> bool {
+        at_best
             .is_some_and(|level| level > FAR && (level > MOST || !self.pieces.is_in_one(place.uv)))
     }
 
@@ -533,7 +538,8 @@ impl<'a> Work<'a> {
         let around = place.surroundings();
         let mut enclosed = self.pieces.enclose(around);
         let mut framed = Framed::new(place, &enclosed.jet);
-        let coarse = self.is_far(place, framed.as_ref());
+        let mut at_best = self.at_best(framed.as_ref());
+        let coarse = self.is_far(place, at_best);
         let local = if !coarse && framed.is_some() {
             self.pieces.local(place.uv)
         } else {
@@ -541,11 +547,11 @@ impl<'a> Work<'a> {
         };
         let inside = place.is_inside();
         // What is known about the square itself says enough about it, or about its parts.
-        let many = || self.at_best(framed.as_ref()) > Some(SETTLED);
-        let known = local.is_some() && (inside || many());
+        let known = local.is_some() && (inside || at_best > Some(SETTLED));
         if !(enclosed.sharp || coarse || known) {
             enclosed = self.pieces.sharpened(enclosed, around);
             framed = Framed::new(place, &enclosed.jet);
+            at_best = self.at_best(framed.as_ref());
         }
         let (enclosed, proven) = if enclosed.jet[0].is_finite() {
             (enclosed, true)
@@ -562,6 +568,7 @@ impl<'a> Work<'a> {
                 Some(jet) => {
                     let enclosed = Enclosed::from(jet);
                     framed = Framed::new(place, &enclosed.jet);
+                    at_best = self.at_best(framed.as_ref());
                     (enclosed, false)
                 }
                 None => return Ok(Judged::UNKNOWN),
@@ -589,7 +596,7 @@ impl<'a> Work<'a> {
             .iter()
             .map(|r| 2.0 * f64::EPSILON * r.mag() / r.width());
         let grain = grain.fold(0.0, f64::max);
-        let least = self.at_best(framed.as_ref()).unwrap_or(0);
+        let least = at_best.unwrap_or(0);
         let slides = |f: &Framed| proven && f.between(self.demand.tol) <= self.between;
         let framed = framed.filter(slides);
         let (framed, local) = (framed.as_ref(), local.as_ref());

@@ -55,6 +55,8 @@ use glam::DMat3;
 use smallvec::{SmallVec, smallvec};
 use std::ops::{Add, Mul};
 
+/// Squares of smaller numbers than this would lose digits.
+const SMALLEST: f64 = 1e-140;
 /// The neighbourhood of a square in which partners are looked for, as a share of its size.
 const ROOM: f64 = 1.0 / 16.0;
 /// The greatest share of the tolerance for what partners add, and for points between the partners of different squares.
@@ -172,6 +174,12 @@ fn errors<const N: usize>(forms: [Form; N]) -> [[f64; 2]; N] {
 
 /// The greatest error of interpolation for constant second derivatives of several functions, for triangles that are an even
 /// and an odd number of times bisected.
+///
+/// Of a semidefinite form it is an eighth of the longest side of both kinds of triangles, in the measure of the form: their
+/// sides are p, q and p + q, or p, q and p - q. The longer of the last two is no shorter than `√(p² + q²)`, so its triangle
+/// is right or obtuse, and has an eighth of its square. If the other is acute, with the angle θ between p and q, it has half
+/// the squared radius of the circle around it, of the diameter `|p - q| / sin θ`; that is at most `|p + q|`, since
+/// `cos θ (p² + q²) ≤ 2 |p| |q|` where the other angles are acute.
 #[inline(always)]
 pub(super) fn middle<R: Registers>([u, c, v]: [Lanes<R>; 3]) -> [Lanes<R>; 2] {
     let zero = Lanes::splat(u.0, 0.0);
@@ -181,11 +189,9 @@ pub(super) fn middle<R: Registers>([u, c, v]: [Lanes<R>; 3]) -> [Lanes<R>; 2] {
     let mut worst = [zero; 2];
     for (worst, kinds) in worst.iter_mut().zip(SIDES) {
         for sides in kinds {
-            let mut same = [zero; 3];
-            let (mut most, mut least) = (zero, zero);
-            for k in 0..3 {
-                let [x, y] = sides[k];
-                same[k] = (u * (x * x) + c * (2.0 * x * y) + v * (y * y)).abs();
+            let (mut longest, mut most, mut least) = (zero, zero, zero);
+            for [x, y] in sides {
+                longest = longest.max((u * (x * x) + c * (2.0 * x * y) + v * (y * y)).abs());
                 // The projections on the eigenvectors: a half of the unit form and of the form without its mean.
                 let unit = Lanes::splat(u.0, x * x + y * y);
                 let turned = (deviator * (x * x - y * y) + c * (2.0 * x * y)) / half;
@@ -193,29 +199,16 @@ pub(super) fn middle<R: Registers>([u, c, v]: [Lanes<R>; 3]) -> [Lanes<R>; 2] {
                 least = least.max(unit - turned);
             }
             let opposite = (upper.abs() * most).max(lower.abs() * least) * 0.0625;
-            *worst = worst.max(zero.where_greater(upper * lower, [opposite, spread(same)]));
+            let same = longest * 0.125;
+            *worst = worst.max(zero.where_greater(upper * lower, [opposite, same]));
         }
     }
     worst
 }
 
-/// The greatest error of linear interpolation of a convex quadratic function on a triangle, from the squares of its sides
-/// in the measure of the second derivative.
-#[inline(always)]
-fn spread<R: Registers>([a, b, c]: [Lanes<R>; 3]) -> Lanes<R> {
-    let (least, other) = (a.min(b), a.max(b));
-    let (middle, longest) = (other.min(c), other.max(c));
-    // Acute triangles need half the square of the radius of the circle around them. This way the area of thin ones is not
-    // lost in rounding.
-    let acute = least + middle - longest;
-    let area = least * middle * 4.0 - acute * acute;
-    let around = least * middle * longest * 0.5 / area;
-    acute.where_greater(Lanes::splat(a.0, 0.0), [around, longest * 0.125])
-}
-
-/// Quicker than what avoids overflow: beyond that there is no bound.
+/// Quicker than what avoids overflow: beyond that there is no bound. What is lost below the smallest number is added.
 pub(super) fn length2(x: f64, y: f64) -> f64 {
-    (x * x + y * y).sqrt()
+    (x * x + y * y + f64::MIN_POSITIVE).sqrt()
 }
 
 /// A rectangle with its surroundings.
@@ -281,7 +274,7 @@ impl Framed {
         let sized = Sized::new(place, jet, &turn);
         let [a, b] = sized.first;
         let normal = a.cross(b);
-        (normal.z.lo() > 0.0 && normal.length().is_finite()).then_some(Self {
+        (normal.z.lo() > SMALLEST && normal.length().is_finite()).then_some(Self {
             turn,
             sized,
             normal,

@@ -142,7 +142,9 @@ impl Parts {
             lengths[k] = dot(&first[k], &first[k]).sqrt();
             let rounding = (lengths[k] + norms[k] + norms[k + 1]) * ROUNDING;
             let unknown = rounding + Lanes::splat(r, self.first[k]);
-            turn[k] = (steep[k] + steep[k + 1]) * half + unknown;
+            // If tangents are nearly parallel, the normal is off by more than a rounding.
+            let aside = dot(&z, &first[k]).abs();
+            turn[k] = (steep[k] + steep[k + 1]) * half + unknown + aside;
             change[k] = (norms[k] + norms[k + 1]) * half + unknown;
             long[k] = lengths[k] + change[k];
         }
@@ -234,7 +236,7 @@ struct Derivatives<R: Registers> {
     third: [[Lanes<R>; 3]; 4],
 }
 
-/// Rounding errors as a share of the terms.
+/// Rounding errors as a share of lengths and second derivatives; those of the polynomial's terms are in [`Local::off`].
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// The same numbers in all lanes.

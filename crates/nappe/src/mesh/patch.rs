@@ -147,11 +147,6 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// The threads for so many vertices.
-    fn threads_for(&self, count: usize) -> usize {
-        if count < LIST { 1 } else { self.threads }
-    }
-
     /// Makes the vertices of the patch that are inside of blocks, and gives the others their points.
     fn vertices<'n>(&mut self, net: &'n Numbered) -> Result<Work<'n>, MeshError> {
         let layout = self.layout;
@@ -167,8 +162,11 @@ impl Builder<'_> {
             (0..2).any(|d| place[d].is_multiple_of(CELL) && cuts[d][(place[d] >> DEPTH) as usize])
         };
         let (mut plain, mut special) = (Vec::with_capacity(net.places.len()), Vec::new());
+        // Rounding may put others on a line that is one point.
+        let is_tip = |place: &Place| self.tip(layout.net.uv(*place)).is_some();
+        let tips = !self.collapsed.is_empty();
         let number = |place: &Place| {
-            let (list, first) = if is_special(place) {
+            let (list, first) = if is_special(place) || (tips && is_tip(place)) {
                 (&mut special, SPECIAL)
             } else {
                 (&mut plain, 0)
@@ -177,8 +175,8 @@ impl Builder<'_> {
             first + list.len() as u32 - 1
         };
         let vertices = net.places.iter().map(number).collect();
-        self.plain(&plain)?;
         let few = net.places.len() < LIST;
+        self.plain(&plain, few)?;
         let mut work = Work {
             net,
             vertices,
@@ -202,7 +200,7 @@ impl Builder<'_> {
     }
 
     /// Makes the vertices of the patch, and points of its own, at places inside of blocks.
-    fn plain(&mut self, places: &[Place]) -> Result<(), MeshError> {
+    fn plain(&mut self, places: &[Place], few: bool) -> Result<(), MeshError> {
         const NONE: MeshVertex = MeshVertex {
             point: 0,
             uv: [0.0; 2],
@@ -211,7 +209,6 @@ impl Builder<'_> {
         let mut vertices = vec![NONE; places.len()];
         let mut own = vec![DVec3::ZERO; places.len()];
         let first = self.shared.len();
-        let few = places.len() < LIST;
         let parts = places.chunks(AT_ONCE).zip(vertices.chunks_mut(AT_ONCE));
         let parts = parts.zip(own.chunks_mut(AT_ONCE)).enumerate();
         let (count, parts) = (parts.len(), Mutex::new(parts));
@@ -230,7 +227,8 @@ impl Builder<'_> {
             }
             Some(())
         };
-        parallel::each(self.threads_for(places.len()), count, fill, |_| false);
+        let threads = if few { 1 } else { self.threads };
+        parallel::each(threads, count, fill, |_| false);
         if let Some(k) = own.iter().position(|p| !p.is_finite()) {
             return Err(self.not_finite(vertices[k].uv));
         }
@@ -318,7 +316,7 @@ impl Builder<'_> {
     fn region(&mut self, region: &Region, work: &mut Work) -> Result<(), MeshError> {
         let cells: Vec<[usize; 2]> = region.each().collect();
         let count = work.vertices.len();
-        let threads = self.threads_for(count);
+        let threads = if count < LIST { 1 } else { self.threads };
         let each = 2 * count / cells.len().max(1);
         let share = (SHARE / each.max(1)).max(1);
         // So many at a time that what they wait in stays small, but for cells of very many triangles.

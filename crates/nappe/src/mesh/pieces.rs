@@ -35,7 +35,8 @@ const SHARE: f64 = 1.0 / 64.0;
 const LOOSE: f64 = 1.0 / 16.0;
 /// A part is taken to be at least this wide, in halves of the piece: powers of its size stay numbers.
 const NARROWEST: f64 = 1e-40;
-/// Rounding errors as a share of the sum of absolute terms: there are at most so many operations between a term and a sum.
+/// Rounding errors as a share of the sum of absolute terms: there are fewer operations, of half a unit each, between a term and
+/// a sum, also if the polynomial is moved, scaled and evaluated (`parts`).
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 const DIRS: [Dir; 2] = [Dir::U, Dir::V];
