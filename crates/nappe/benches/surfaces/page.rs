@@ -42,8 +42,9 @@ const BOUNDS: &str = "
   milliseconds, a Diagonal-key surface in space up to a third of a second. Where functions are singular, they are
   evaluated as single points are: such lists cost what their functions cost.
 * **T6, mesh**: of coarse meshes, the enclosures that prove the tolerance and the samples of squares with few triangles. Of
-  fine ones, half goes into bounds for each few triangles, and half into finding, evaluating and numbering vertices and into
-  fresh memory.
+  fine ones, about half goes into dividing squares (a quarter of it into samples along sides, a fifth into bounds for their
+  parts), a third into evaluating vertices and emitting triangles, and an eighth into first touching fresh memory. The lines
+  to begin with, and the numbering in between, run on one thread.
 
 Grids are the same as single points to the last bit, with any instruction set and any number of threads. Lists are the
 same with any instruction set and any number of threads, and agree with single points within four units in the last place
