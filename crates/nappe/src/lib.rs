@@ -69,6 +69,7 @@ pub mod laws;
 pub mod maps;
 pub mod measure;
 pub mod mesh;
+pub mod query;
 pub mod scalar;
 pub mod series;
 pub mod surface;

@@ -1,0 +1,11 @@
+//! Questions about surfaces, answered with proofs.
+//!
+//! [`Finder`] is prepared once for some surfaces and then gives the nearest point to any point, one by one or many at once.
+//! The files: `part` bounds the distance over a part of a surface, `tree` keeps parts of all surfaces so that few of them
+//! are looked at, `nearest` searches.
+
+mod nearest;
+mod part;
+mod tree;
+
+pub use nearest::{Finder, FinderOptions, Nearest, QueryError};

@@ -1,0 +1,310 @@
+//! A part of a surface, as the distance of its points sees it.
+//!
+//! Half the squared distance `f = ½ |r - p|²` has the second derivatives `r_i · r_j + (r - p) · r_ij`. In parameters `s` that
+//! are lengths along two orthonormal tangents in the middle, the first term is near the unit matrix; its least eigenvalue
+//! over the part is at least λ. The second is at most `D N`, where D bounds `|r - p|` and N the second derivatives. So
+//! `μ = λ - D N` bounds the curvature of `f` from below, and Taylor's formula bounds `f`:
+//! `f ≥ f₀ + g s + ½ μ |s|²`. Where `μ > 0` it is convex over the part, and any place tells how much less `f` can be
+//! elsewhere: `f ≥ f(x) + ∇f(x) (y - x)`.
+
+use crate::box3::Box3;
+use crate::breaks::Limit;
+use crate::interval::Interval;
+use crate::surface::{Surface, SurfaceRef, jet_len};
+use glam::DVec3;
+
+/// A part of a surface in one analytic piece.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    pub(super) surface: u32,
+    pub(super) uv: [Interval; 2],
+    pub(super) hull: Hull,
+    /// The point in the middle, and the first derivatives times half the widths.
+    centre: DVec3,
+    first: [DVec3; 2],
+    /// The unit normal in the middle.
+    normal: DVec3,
+    /// How far its points are from the middle, and how far its parameters `s` are.
+    radius: f64,
+    far: f64,
+    /// λ and N of the module; without a frame in the middle nothing is convex.
+    metric: f64,
+    bend: f64,
+}
+
+/// The corners of a box.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Hull {
+    pub(super) lo: DVec3,
+    pub(super) hi: DVec3,
+}
+
+impl Hull {
+    pub(super) fn of(b: Box3) -> Self {
+        let [x, y, z] = b.to_array();
+        Self {
+            lo: DVec3::new(x.lo, y.lo, z.lo),
+            hi: DVec3::new(x.hi, y.hi, z.hi),
+        }
+    }
+
+    pub(super) fn join(self, o: Self) -> Self {
+        Self {
+            lo: self.lo.min(o.lo),
+            hi: self.hi.max(o.hi),
+        }
+    }
+
+    /// The squared distance of a point from the box.
+    #[inline]
+    pub(super) fn distance2(&self, p: DVec3) -> f64 {
+        let off = (self.lo - p).max(p - self.hi).max(DVec3::ZERO);
+        off.length_squared()
+    }
+}
+
+/// A place on a surface, with half its squared distance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) surface: u32,
+    pub(super) uv: [f64; 2],
+    pub(super) point: DVec3,
+    pub(super) half_square: f64,
+}
+
+/// Steps of Newton's method at most; it converges in a few.
+const STEPS: usize = 32;
+/// Halvings of a step that leads up.
+const HALVINGS: usize = 30;
+
+impl Part {
+    pub(super) fn new(surfaces: &[SurfaceRef], surface: u32, uv: [Interval; 2]) -> Self {
+        let of = surfaces[surface as usize].as_ref();
+        let jet = of.enclose(uv, 2);
+        let middle = uv.map(Interval::mid);
+        let mut at = [DVec3::ZERO; jet_len(1)];
+        of.jet_into(middle, [Limit::Above; 2], 1, &mut at);
+        let [centre, a, b] = at;
+        let half = uv.map(|t| 0.5 * t.width() * (1.0 + f64::EPSILON));
+        // Orthonormal tangents: `e = a / along` and `(b - (b·e) e) / across`.
+        let along = a.length();
+        let e = a / along;
+        let shear = b.dot(e);
+        let aside = b - e * shear;
+        let across = aside.length();
+        let normal = e.cross(aside / across);
+        // Derivatives by s: `r_1 = r_u / along`, `r_2 = r_v / across - k r_u` with `k = shear / (along across)`.
+        let n = Interval::point;
+        let (p, q) = (n(1.0) / n(along), n(1.0) / n(across));
+        let k = n(shear) * p * q;
+        let r1 = jet[1].scale(p);
+        let r2 = jet[2].scale(q) + jet[1].scale(-k);
+        let (aa, ab, bb) = (r1.norm().sqr(), r1.dot(r2), r2.norm().sqr());
+        let metric = aa.lo.min(bb.lo) - ab.mag();
+        let r11 = jet[3].scale(p * p);
+        let r12 = jet[4].scale(p * q) + jet[3].scale(-(k * p));
+        let r22 = jet[5].scale(q * q) + jet[4].scale(-(n(2.0) * k * q)) + jet[3].scale(k * k);
+        let [x, y, z] = [r11, r12, r22].map(|r| r.norm().sqr().hi);
+        let bend = (x + 2.0 * y + z).sqrt() * (1.0 + 4.0 * f64::EPSILON);
+        // `s = (along du + shear dv, across dv)`.
+        let far = (along * half[0] + shear.abs() * half[1]).hypot(across * half[1]);
+        let framed = metric.is_finite() && bend.is_finite() && normal.is_finite();
+        let off = jet[0] + Box3::point(-centre);
+        Self {
+            surface,
+            uv,
+            hull: Hull::of(jet[0]),
+            centre,
+            first: [a * half[0], b * half[1]],
+            normal: if framed { normal } else { DVec3::ZERO },
+            radius: off.norm().hi,
+            far: far * (1.0 + 4.0 * f64::EPSILON),
+            metric: if framed { metric } else { 0.0 },
+            bend: if framed { bend } else { f64::INFINITY },
+        }
+    }
+
+    /// True if the distance is convex over the part for points that are as far away as the part is large, times `factor`.
+    pub(super) fn is_convex_near(&self, factor: f64) -> bool {
+        self.metric > factor * self.radius * self.bend
+    }
+
+    /// True if the second half of the parameters along a direction can be told from the first.
+    fn can_halve(&self, d: usize) -> bool {
+        let (t, middle) = (self.uv[d], self.uv[d].mid());
+        t.lo < middle && middle < t.hi
+    }
+
+    /// The halves across the longer side; `None` if the part is as small as rounding.
+    pub(super) fn halves(&self, surfaces: &[SurfaceRef]) -> Option<[Self; 2]> {
+        let longer = usize::from(self.first[1].length() > self.first[0].length());
+        let d = [longer, 1 - longer].into_iter().find(|&d| self.can_halve(d))?;
+        let middle = self.uv[d].mid();
+        let half = |t: Interval| {
+            let mut uv = self.uv;
+            uv[d] = t;
+            Self::new(surfaces, self.surface, uv)
+        };
+        let Interval { lo, hi } = self.uv[d];
+        Some([
+            half(Interval { lo, hi: middle }),
+            half(Interval { lo: middle, hi }),
+        ])
+    }
+
+    /// μ of the module for a point.
+    #[inline]
+    fn curvature(&self, distance: f64) -> f64 {
+        let most = distance + self.radius;
+        // The part may be all of a plane.
+        if self.bend == 0.0 {
+            self.metric
+        } else {
+            self.metric - most * self.bend
+        }
+    }
+
+    /// A lower bound of half the squared distance of a point, and whether it is convex over the part.
+    #[inline]
+    pub(super) fn lower(&self, p: DVec3) -> (f64, bool) {
+        let e = self.centre - p;
+        let square = e.length_squared();
+        let slope = e.dot(self.first[0]).abs() + e.dot(self.first[1]).abs();
+        let curvature = self.curvature(square.sqrt());
+        let least = 0.5 * self.hull.distance2(p);
+        if curvature > 0.0 {
+            let across = e.dot(self.normal);
+            let tangential = (square - across * across).max(0.0);
+            let lost = slope.min(tangential / (2.0 * curvature));
+            (least.max(0.5 * square - lost), true)
+        } else {
+            let lost = slope - 0.5 * curvature * self.far * self.far;
+            // NaN tells nothing.
+            let taylor = 0.5 * square - lost;
+            let lower = if taylor > least { taylor } else { least };
+            (lower, false)
+        }
+    }
+
+    /// The middle.
+    pub(super) fn middle(&self, p: DVec3) -> Place {
+        Place {
+            surface: self.surface,
+            uv: self.uv.map(Interval::mid),
+            point: self.centre,
+            half_square: 0.5 * (self.centre - p).length_squared(),
+        }
+    }
+
+    /// The nearest place over a part where the distance is convex, by Newton's method within the box, and a lower bound of
+    /// half the squared distance over the part. Ends when `enough` is true for both.
+    pub(super) fn nearest(
+        &self,
+        surface: &dyn Surface,
+        p: DVec3,
+        enough: impl Fn(f64, f64) -> bool,
+    ) -> (Place, f64) {
+        let mut uv = self.uv.map(Interval::mid);
+        let (mut best, mut lower) = (self.middle(p), f64::NEG_INFINITY);
+        let mut now = self.tangents(surface, p, uv);
+        for _ in 0..STEPS {
+            if now.half_square < best.half_square {
+                best = Place {
+                    uv,
+                    point: now.point,
+                    half_square: now.half_square,
+                    ..best
+                };
+            }
+            // Where the gradient leads out of the box, nothing is lost.
+            let gain = |d: usize| {
+                let (t, g) = (self.uv[d], now.gradient[d]);
+                (g * (t.lo - uv[d])).min(g * (t.hi - uv[d]))
+            };
+            lower = f64::max(lower, now.half_square + gain(0) + gain(1));
+            if enough(best.half_square, lower) {
+                break;
+            }
+            let Some(step) = self.step(&now, uv) else {
+                break;
+            };
+            let mut share = 1.0;
+            let mut next = None;
+            for _ in 0..HALVINGS {
+                let to = [0, 1].map(|d| {
+                    let t = self.uv[d];
+                    (uv[d] + share * step[d]).clamp(t.lo, t.hi)
+                });
+                if to == uv {
+                    break;
+                }
+                let there = self.tangents(surface, p, to);
+                if there.half_square <= now.half_square {
+                    next = Some((to, there));
+                    break;
+                }
+                share *= 0.5;
+            }
+            let Some((to, there)) = next else {
+                break;
+            };
+            (uv, now) = (to, there);
+        }
+        (best, lower)
+    }
+
+    fn tangents(&self, surface: &dyn Surface, p: DVec3, uv: [f64; 2]) -> Local {
+        let limit = [0, 1].map(|d| {
+            if uv[d] >= self.uv[d].hi {
+                Limit::Below
+            } else {
+                Limit::Above
+            }
+        });
+        let mut jet = [DVec3::ZERO; jet_len(2)];
+        surface.jet_into(uv, limit, 2, &mut jet);
+        let [point, a, b, aa, ab, bb] = jet;
+        let e = point - p;
+        Local {
+            point,
+            half_square: 0.5 * e.length_squared(),
+            gradient: [e.dot(a), e.dot(b)],
+            hessian: [
+                a.dot(a) + e.dot(aa),
+                a.dot(b) + e.dot(ab),
+                b.dot(b) + e.dot(bb),
+            ],
+        }
+    }
+
+    /// Newton's step along the directions that do not lead out of the box.
+    fn step(&self, at: &Local, uv: [f64; 2]) -> Option<[f64; 2]> {
+        let Local {
+            gradient: [g, h],
+            hessian: [uu, uv_, vv],
+            ..
+        } = *at;
+        let held = [0, 1].map(|d| {
+            let (t, g) = (self.uv[d], at.gradient[d]);
+            (uv[d] <= t.lo && g > 0.0) || (uv[d] >= t.hi && g < 0.0)
+        });
+        let step = match held {
+            [true, true] => return None,
+            [true, false] => [0.0, -h / vv],
+            [false, true] => [-g / uu, 0.0],
+            [false, false] => {
+                let det = uu * vv - uv_ * uv_;
+                [(uv_ * h - vv * g) / det, (uv_ * g - uu * h) / det]
+            }
+        };
+        (step[0].is_finite() && step[1].is_finite()).then_some(step)
+    }
+}
+
+/// The distance at a place with its derivatives by u and v.
+struct Local {
+    point: DVec3,
+    half_square: f64,
+    gradient: [f64; 2],
+    hessian: [f64; 3],
+}

@@ -1,0 +1,227 @@
+//! The nearest point: closed forms, and brute force on surfaces without one.
+
+#![allow(clippy::unwrap_used)]
+
+use nappe::curve::{Spacing, polyline};
+use nappe::exact::NurbsSurface;
+use nappe::laws::Random;
+use nappe::query::{Finder, FinderOptions, Nearest, QueryError};
+use nappe::surface::{
+    Quadric, QuadricOptions, QuadricShape, SurfaceRef, Torus, TorusOptions, Transformed,
+};
+use nappe::{DAffine3, DVec3, Dir};
+use std::sync::Arc;
+
+fn finder(surfaces: &[SurfaceRef], tol: f64) -> Finder {
+    let options = FinderOptions {
+        tol: Some(tol),
+        ..FinderOptions::default()
+    };
+    Finder::new(surfaces, options).unwrap()
+}
+
+fn sphere(radius: f64) -> SurfaceRef {
+    let options = QuadricOptions::default();
+    Arc::new(Quadric::new(QuadricShape::Sphere, &[radius], options).unwrap())
+}
+
+fn torus() -> SurfaceRef {
+    Arc::new(Torus::new(3.0, 1.0, TorusOptions::default()).unwrap())
+}
+
+/// A net of heights and shifts.
+fn rough(degree: usize, points: usize, weights: bool) -> SurfaceRef {
+    let mut random = Random(12);
+    let net: Vec<DVec3> = (0..points * points)
+        .map(|k| {
+            let [x, y] = [k / points, k % points].map(|i| i as f64);
+            let mut shift = || 0.6 * random.unit();
+            DVec3::new(x + shift(), y + shift(), 3.0 * shift())
+        })
+        .collect();
+    let weights: Option<Vec<f64>> =
+        weights.then(|| net.iter().map(|_| 0.5 + random.unit()).collect());
+    let knots = nappe::basis::BSplineBasis::clamped_uniform(degree, points);
+    let knots = [knots.clone(), knots];
+    Arc::new(NurbsSurface::new([degree; 2], knots, &net, weights.as_deref()).unwrap())
+}
+
+/// A point in a box around the origin.
+fn within(random: &mut Random, size: f64) -> DVec3 {
+    let mut number = || size * (2.0 * random.unit() - 1.0);
+    DVec3::new(number(), number(), number())
+}
+
+/// What every answer is held to.
+fn check(surfaces: &[SurfaceRef], p: DVec3, found: &Nearest, tol: f64) {
+    let point = surfaces[found.surface].point(found.uv);
+    assert!(point.distance(found.point) <= 1e-12 * (1.0 + p.length()));
+    assert!((found.distance - p.distance(found.point)).abs() <= 1e-12 * (1.0 + p.length()));
+    let error = found.certainty.error();
+    assert!(error <= tol, "{p}: {error} of {tol}");
+}
+
+#[test]
+fn distances_from_spheres_and_tori_are_the_closed_forms() {
+    let mut random = Random(1);
+    let (ball, ring) = ([sphere(2.0)], [torus()]);
+    let finders = [finder(&ball, 1e-9), finder(&ring, 1e-9)];
+    for _ in 0..2000 {
+        let p = within(&mut random, 6.0);
+        let around = p.truncate().length() - 3.0;
+        let exact = [
+            (p.length() - 2.0).abs(),
+            (around.hypot(p.z) - 1.0).abs(),
+        ];
+        for ((finder, exact), surfaces) in finders.iter().zip(exact).zip([&ball, &ring]) {
+            let found = finder.nearest(p).unwrap();
+            check(surfaces, p, &found, 1e-9);
+            assert!((found.distance - exact).abs() <= 1e-9, "{p}: {found:?}, {exact}");
+        }
+    }
+}
+
+#[test]
+fn no_sample_of_a_rough_surface_is_nearer() {
+    let mut random = Random(2);
+    for surface in [rough(3, 7, false), rough(2, 5, true), rough(5, 7, false)] {
+        let surfaces = [surface];
+        let surface = &surfaces[0];
+        let finder = finder(&surfaces, 1e-8);
+        let domain = surface.domain();
+        for round in 0..200 {
+            // Near the surface, and farther away.
+            let uv = domain.map(|t| random.within(t));
+            let p = surface.point(uv) + within(&mut random, [0.05, 1.0, 4.0][round % 3]);
+            let found = finder.nearest(p).unwrap();
+            check(&surfaces, p, &found, 1e-8);
+            let least = found.distance - found.certainty.error();
+            for _ in 0..300 {
+                let at = domain.map(|t| random.within(t));
+                assert!(surface.point(at).distance(p) >= least, "{p} {at:?}");
+            }
+            // Around the answer too.
+            for _ in 0..50 {
+                let near = [0, 1].map(|d| {
+                    let step = 1e-3 * (2.0 * random.unit() - 1.0) * domain[d].width();
+                    (found.uv[d] + step).clamp(domain[d].lo, domain[d].hi)
+                });
+                assert!(surface.point(near).distance(p) >= least);
+            }
+        }
+    }
+}
+
+#[test]
+fn points_beyond_edges_and_at_corners_find_these() {
+    let flat: SurfaceRef = Arc::new(
+        NurbsSurface::bezier(
+            2,
+            &[DVec3::ZERO, DVec3::Y, DVec3::X, DVec3::X + DVec3::Y],
+            None,
+        )
+        .unwrap(),
+    );
+    let finder = finder(&[flat], 1e-12);
+    for (p, exact) in [
+        (DVec3::new(0.3, 0.6, -2.0), DVec3::new(0.3, 0.6, 0.0)),
+        (DVec3::new(-1.0, 0.25, 0.5), DVec3::new(0.0, 0.25, 0.0)),
+        (DVec3::new(3.0, -2.0, 1.0), DVec3::new(1.0, 0.0, 0.0)),
+    ] {
+        let found = finder.nearest(p).unwrap();
+        assert!(found.point.distance(exact) < 1e-12, "{found:?}");
+        assert!((found.distance - p.distance(exact)).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn the_pole_is_found_and_the_middle_of_a_sphere_is_told_honestly() {
+    let surfaces = [sphere(1.0)];
+    let up = finder(&surfaces, 1e-7).nearest(DVec3::Z * 3.0).unwrap();
+    assert!((up.distance - 2.0).abs() <= 1e-7 && up.certainty.error() <= 1e-7);
+    // All points are equally near: the answer is one of them, with what is known.
+    let middle = finder(&surfaces, 1e-7).nearest(DVec3::ZERO).unwrap();
+    assert!((middle.distance - 1.0).abs() < 1e-12);
+    assert!(middle.distance - middle.certainty.error() <= 1.0 && middle.certainty.error() < 0.05);
+}
+
+#[test]
+fn scale_and_place_change_nothing() {
+    let mut random = Random(3);
+    let plain = rough(3, 6, false);
+    for (scale, shift) in [(1e-6, 0.0), (1e6, 0.0), (1.0, 1e5)] {
+        let map = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(scale),
+            Default::default(),
+            DVec3::splat(shift),
+        );
+        let moved: SurfaceRef = Arc::new(Transformed::new(plain.clone(), map).unwrap());
+        let surfaces = [moved];
+        let tol = 1e-7 * scale;
+        let finder = finder(&surfaces, tol);
+        for _ in 0..50 {
+            let p = map.transform_point3(within(&mut random, 8.0));
+            check(&surfaces, p, &finder.nearest(p).unwrap(), tol);
+        }
+    }
+}
+
+#[test]
+fn of_several_surfaces_the_nearest_is_named_and_batches_are_the_same() {
+    let mut random = Random(4);
+    let shift = |by: DVec3| -> SurfaceRef {
+        let map = DAffine3::from_translation(by);
+        Arc::new(Transformed::new(sphere(1.0), map).unwrap())
+    };
+    let centres = [DVec3::ZERO, DVec3::X * 5.0, DVec3::Y * 7.0];
+    let surfaces = centres.map(shift);
+    let finder = finder(&surfaces, 1e-9);
+    let mut points: Vec<DVec3> = (0..500).map(|_| within(&mut random, 9.0)).collect();
+    points[17].y = f64::NAN;
+    let one = finder.nearest_many(&points, 1);
+    assert_eq!(format!("{one:?}"), format!("{:?}", finder.nearest_many(&points, 3)));
+    for (k, (p, found)) in points.iter().zip(&one).enumerate() {
+        if k == 17 {
+            assert!(matches!(found, Err(QueryError::Point { .. })));
+            continue;
+        }
+        let distance = |c: &DVec3| (p.distance(*c) - 1.0).abs();
+        let exact = centres.iter().map(distance).fold(f64::INFINITY, f64::min);
+        let found = found.unwrap();
+        assert!((found.distance - exact).abs() <= 1e-9);
+        assert!((distance(&centres[found.surface]) - exact).abs() <= 1e-9);
+    }
+}
+
+#[test]
+fn surfaces_with_corners_and_empty_requests() {
+    let folded = polyline(
+        &[DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Z],
+        Spacing::Uniform,
+    )
+    .unwrap();
+    let far = polyline(
+        &[DVec3::Y, DVec3::X + DVec3::Y, DVec3::ONE],
+        Spacing::Uniform,
+    )
+    .unwrap();
+    let ruled: SurfaceRef =
+        Arc::new(nappe::surface::ruled(Arc::new(folded), Arc::new(far), Dir::U).unwrap());
+    let finder = finder(&[ruled], 1e-10);
+    // The edge of the fold is nearest from outside.
+    let found = finder.nearest(DVec3::new(2.0, 0.5, -1.0)).unwrap();
+    assert!(found.point.distance(DVec3::new(1.0, 0.5, 0.0)) < 1e-10);
+    assert!(matches!(
+        Finder::new(&[], FinderOptions::default()),
+        Err(QueryError::NoSurface)
+    ));
+    let tol = Some(-1.0);
+    let options = FinderOptions {
+        tol,
+        ..FinderOptions::default()
+    };
+    assert!(matches!(
+        Finder::new(&[sphere(1.0)], options),
+        Err(QueryError::Tolerance { .. })
+    ));
+}
