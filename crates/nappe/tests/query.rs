@@ -69,14 +69,14 @@ fn distances_from_spheres_and_tori_are_the_closed_forms() {
     for _ in 0..2000 {
         let p = within(&mut random, 6.0);
         let around = p.truncate().length() - 3.0;
-        let exact = [
-            (p.length() - 2.0).abs(),
-            (around.hypot(p.z) - 1.0).abs(),
-        ];
+        let exact = [(p.length() - 2.0).abs(), (around.hypot(p.z) - 1.0).abs()];
         for ((finder, exact), surfaces) in finders.iter().zip(exact).zip([&ball, &ring]) {
             let found = finder.nearest(p).unwrap();
             check(surfaces, p, &found, 1e-9);
-            assert!((found.distance - exact).abs() <= 1e-9, "{p}: {found:?}, {exact}");
+            assert!(
+                (found.distance - exact).abs() <= 1e-9,
+                "{p}: {found:?}, {exact}"
+            );
         }
     }
 }
@@ -179,7 +179,10 @@ fn of_several_surfaces_the_nearest_is_named_and_batches_are_the_same() {
     let mut points: Vec<DVec3> = (0..500).map(|_| within(&mut random, 9.0)).collect();
     points[17].y = f64::NAN;
     let one = finder.nearest_many(&points, 1);
-    assert_eq!(format!("{one:?}"), format!("{:?}", finder.nearest_many(&points, 3)));
+    assert_eq!(
+        format!("{one:?}"),
+        format!("{:?}", finder.nearest_many(&points, 3))
+    );
     for (k, (p, found)) in points.iter().zip(&one).enumerate() {
         if k == 17 {
             assert!(matches!(found, Err(QueryError::Point { .. })));
@@ -214,6 +217,10 @@ fn surfaces_with_corners_and_empty_requests() {
     assert!(matches!(
         Finder::new(&[], FinderOptions::default()),
         Err(QueryError::NoSurface)
+    ));
+    assert!(matches!(
+        finder.nearest(DVec3::splat(1e300)),
+        Err(QueryError::NoDistance { .. })
     ));
     let tol = Some(-1.0);
     let options = FinderOptions {

@@ -1,7 +1,7 @@
 //! The nearest point of some surfaces.
 
 use super::part::{Part, Place};
-use super::tree::{Below, Tree};
+use super::tree::Tree;
 use crate::mesh::Certainty;
 use crate::parallel;
 use crate::surface::{SurfaceRef, in_parallel};
@@ -59,6 +59,12 @@ pub enum QueryError {
     /// A coordinate is no number or not finite.
     #[error("the point ({}, {}, {}) has a coordinate that is no finite number: leave it out or mend it", .point.x, .point.y, .point.z)]
     Point {
+        /// What was asked for.
+        point: DVec3,
+    },
+    /// No finite distance was found.
+    #[error("the point ({}, {}, {}) has no finite distance from the surfaces: it is too far away to compute with, or they are not finite", .point.x, .point.y, .point.z)]
+    NoDistance {
         /// What was asked for.
         point: DVec3,
     },
@@ -125,7 +131,9 @@ impl Finder {
         })
     }
 
-    /// The nearest point of all surfaces to a point.
+    /// The nearest point of all surfaces to a point; of several that are equally near one. Errors: a coordinate is not finite,
+    /// or no distance is. Cost: some tens of boxes and a few evaluations for points much nearer to the surface than it is
+    /// curved, more where the distance has several minima, most where many points are about equally near.
     pub fn nearest(&self, p: DVec3) -> Result<Nearest, QueryError> {
         if !p.is_finite() {
             return Err(QueryError::Point { point: p });
@@ -138,6 +146,7 @@ impl Finder {
             // Half of it is for what is left undecided.
             tol: 0.5 * (tol - rounding).max(rounding),
             best: None,
+            limit: f64::INFINITY,
             lower: f64::INFINITY,
             heap: BinaryHeap::new(),
             own: Vec::new(),
@@ -145,7 +154,7 @@ impl Finder {
         };
         search.run();
         let Some(best) = search.best else {
-            return Err(QueryError::NoSurface);
+            return Err(QueryError::NoDistance { point: p });
         };
         let distance = (2.0 * best.half_square).sqrt();
         let gap = (distance - search.lower.min(distance)).max(0.0) + rounding;
@@ -158,7 +167,8 @@ impl Finder {
         })
     }
 
-    /// The nearest points to many points, on some threads, in their order and with the same bits on any number of threads.
+    /// [`Self::nearest`] for many points, on some threads, in their order and with the same bits on any number of threads. A
+    /// point without an answer keeps its place, with its error.
     pub fn nearest_many(
         &self,
         points: &[DVec3],
@@ -183,8 +193,7 @@ struct Open {
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Item {
     Node(u32),
-    Part(u32),
-    /// Made for this point.
+    /// A part made for this point.
     Own(u32),
 }
 
@@ -213,6 +222,8 @@ struct Search<'a> {
     p: DVec3,
     tol: f64,
     best: Option<Place>,
+    /// Distances from here on need no look.
+    limit: f64,
     /// No point of what has been settled is nearer.
     lower: f64,
     heap: BinaryHeap<Open>,
@@ -221,14 +232,8 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// Distances from here on need no look.
-    fn limit(&self) -> f64 {
-        self.best
-            .map_or(f64::INFINITY, |b| (2.0 * b.half_square).sqrt() - self.tol)
-    }
-
     fn push(&mut self, lower: f64, below: Item) {
-        if lower >= self.limit() {
+        if lower >= self.limit {
             self.lower = self.lower.min(lower);
         } else {
             self.heap.push(Open { lower, below });
@@ -237,26 +242,30 @@ impl Search<'_> {
 
     fn run(&mut self) {
         let finder = self.finder;
-        if let Some(root) = finder.tree.nodes.first() {
-            self.push(root.hull.distance2(self.p).sqrt(), Item::Node(0));
-        }
+        self.node(0);
         while let Some(Open { lower, below }) = self.heap.pop() {
-            if lower >= self.limit() {
+            if lower >= self.limit {
                 // All others are no nearer.
                 self.lower = self.lower.min(lower);
                 return;
             }
             match below {
-                Item::Node(k) => match finder.tree.nodes[k as usize].below {
-                    Below::Nodes(first) => {
-                        for k in first..first + 2 {
-                            let hull = &finder.tree.nodes[k as usize].hull;
-                            self.push(hull.distance2(self.p).sqrt(), Item::Node(k));
+                Item::Node(k) => {
+                    let node = &finder.tree.nodes[k as usize];
+                    match (node.below, node.part) {
+                        (Some(first), part) => {
+                            let settled = part.is_some_and(|part| {
+                                self.convex(&finder.tree.parts[part as usize], lower)
+                            });
+                            if !settled {
+                                self.node(first);
+                                self.node(first + 1);
+                            }
                         }
+                        (None, Some(part)) => self.part(&finder.tree.parts[part as usize], lower),
+                        (None, None) => {}
                     }
-                    Below::Part(part) => self.refine(part),
-                },
-                Item::Part(k) => self.part(&finder.tree.parts[k as usize], lower),
+                }
                 Item::Own(k) => {
                     let part = self.own[k as usize].clone();
                     self.part(&part, lower);
@@ -265,37 +274,52 @@ impl Search<'_> {
         }
     }
 
-    /// Puts a part back with its own bound.
-    fn refine(&mut self, part: u32) {
-        let (half_square, _) = self.finder.tree.parts[part as usize].lower(self.p);
-        self.push(length(half_square), Item::Part(part));
+    /// Puts a node into the heap, with the bound of its part if it has one.
+    fn node(&mut self, k: u32) {
+        let tree = &self.finder.tree;
+        let node = &tree.nodes[k as usize];
+        let mut lower = node.hull.distance2(self.p).sqrt();
+        if let Some(part) = node.part
+            && lower < self.limit
+        {
+            let (half_square, _) = tree.parts[part as usize].lower(self.p);
+            lower = length(half_square);
+        }
+        self.push(lower, Item::Node(k));
     }
 
     fn improve(&mut self, place: Place) {
-        if self.best.is_none_or(|b| place.half_square < b.half_square) {
+        let nearer = |b: Place| place.half_square < b.half_square;
+        if place.half_square.is_finite() && self.best.is_none_or(nearer) {
             self.best = Some(place);
+            self.limit = length(place.half_square) - self.tol;
         }
     }
 
-    fn part(&mut self, part: &Part, lower: f64) {
+    /// Looks for the nearest point of a part over which the distance is convex; true if that settles it.
+    fn convex(&mut self, part: &Part, lower: f64) -> bool {
         let (p, tol) = (self.p, self.tol);
-        let (_, convex) = part.lower(p);
-        let mut least = lower;
-        if convex {
-            let surface = self.finder.surfaces[part.surface as usize].as_ref();
-            let best = self.best.map_or(f64::INFINITY, |b| b.half_square);
-            let (place, half_square) = part.nearest(surface, p, |found, lower| {
-                let best = length(best.min(found));
-                length(lower) >= best - tol
-            });
-            self.improve(place);
-            least = least.max(length(half_square));
-            if least >= self.limit() {
-                self.lower = self.lower.min(least);
-                return;
-            }
-        } else {
+        if !part.lower(p).1 {
             self.improve(part.middle(p));
+            return false;
+        }
+        let surface = self.finder.surfaces[part.surface as usize].as_ref();
+        let best = self.best.map_or(f64::INFINITY, |b| b.half_square);
+        let (place, half_square) = part.nearest(surface, p, |found, lower| {
+            length(lower) >= length(best.min(found)) - tol
+        });
+        self.improve(place);
+        let least = length(half_square).max(lower);
+        let settled = least >= self.limit;
+        if settled {
+            self.lower = self.lower.min(least);
+        }
+        settled
+    }
+
+    fn part(&mut self, part: &Part, lower: f64) {
+        if self.convex(part, lower) {
+            return;
         }
         let halves = if self.budget > 0 {
             part.halves(&self.finder.surfaces)
@@ -303,13 +327,13 @@ impl Search<'_> {
             None
         };
         let Some(halves) = halves else {
-            self.lower = self.lower.min(least);
+            self.lower = self.lower.min(lower);
             return;
         };
         self.budget -= 1;
         for half in halves {
-            let (half_square, _) = half.lower(p);
-            let lower = length(half_square).max(least);
+            let (half_square, _) = half.lower(self.p);
+            let lower = length(half_square).max(lower);
             self.own.push(half);
             let number = self.own.len() as u32 - 1;
             self.push(lower, Item::Own(number));

@@ -1,9 +1,10 @@
 //! A part of a surface, as the distance of its points sees it.
 //!
 //! Half the squared distance `f = ½ |r - p|²` has the second derivatives `r_i · r_j + (r - p) · r_ij`. In parameters `s` that
-//! are lengths along two orthonormal tangents in the middle, the first term is near the unit matrix; its least eigenvalue
-//! over the part is at least λ. The second is at most `D N`, where D bounds `|r - p|` and N the second derivatives. So
-//! `μ = λ - D N` bounds the curvature of `f` from below, and Taylor's formula bounds `f`:
+//! are lengths along two orthonormal tangents in the middle, the first term is the unit matrix but for δ. With the middle c
+//! of the part and second derivatives `c_ij` there that are off by no more than ρ, and no greater than N, the second term is
+//! `(c - p) · c_ij` but for `|c - p| ρ + R N`, where R bounds `|r - c|`. So `μ`, the least eigenvalue of
+//! `1 + (c - p) · c_ij` less all that is unknown, bounds the curvature of `f` from below, and Taylor's formula bounds `f`:
 //! `f ≥ f₀ + g s + ½ μ |s|²`. Where `μ > 0` it is convex over the part, and any place tells how much less `f` can be
 //! elsewhere: `f ≥ f(x) + ∇f(x) (y - x)`.
 
@@ -27,8 +28,10 @@ pub(super) struct Part {
     /// How far its points are from the middle, and how far its parameters `s` are.
     radius: f64,
     far: f64,
-    /// λ and N of the module; without a frame in the middle nothing is convex.
-    metric: f64,
+    /// δ of the module, `c_11`, `c_12` and `c_22`, ρ and N. Without a frame in the middle δ is infinite.
+    stretch: f64,
+    second: [DVec3; 3],
+    off: f64,
     bend: f64,
 }
 
@@ -72,6 +75,10 @@ pub(super) struct Place {
     pub(super) half_square: f64,
 }
 
+/// How much of the curvature of the distance may be unknown in a part that is not halved beforehand.
+const KNOWN: f64 = 0.25;
+/// Rounding errors as a share of the terms.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Steps of Newton's method at most; it converges in a few.
 const STEPS: usize = 32;
 /// Halvings of a step that leads up.
@@ -99,17 +106,23 @@ impl Part {
         let k = n(shear) * p * q;
         let r1 = jet[1].scale(p);
         let r2 = jet[2].scale(q) + jet[1].scale(-k);
-        let (aa, ab, bb) = (r1.norm().sqr(), r1.dot(r2), r2.norm().sqr());
-        let metric = aa.lo.min(bb.lo) - ab.mag();
+        let unit = |x: Interval| (x - n(1.0)).mag();
+        let stretch = unit(r1.norm().sqr()).max(unit(r2.norm().sqr())) + r1.dot(r2).mag();
         let r11 = jet[3].scale(p * p);
         let r12 = jet[4].scale(p * q) + jet[3].scale(-(k * p));
         let r22 = jet[5].scale(q * q) + jet[4].scale(-(n(2.0) * k * q)) + jet[3].scale(k * k);
-        let [x, y, z] = [r11, r12, r22].map(|r| r.norm().sqr().hi);
-        let bend = (x + 2.0 * y + z).sqrt() * (1.0 + 4.0 * f64::EPSILON);
+        let all = [r11, r12, r22];
+        let second = all.map(Box3::mid);
+        let far_off = [0, 1, 2].map(|k| (all[k] + Box3::point(-second[k])).norm().hi);
+        let sizes = all.map(|r| r.norm().hi);
+        // Of a symmetric matrix by the squares of its entries.
+        let norm =
+            |[x, y, z]: [f64; 3]| (x * x + 2.0 * y * y + z * z).sqrt() * (1.0 + 4.0 * f64::EPSILON);
+        let (off, bend) = (norm(far_off), norm(sizes));
         // `s = (along du + shear dv, across dv)`.
         let far = (along * half[0] + shear.abs() * half[1]).hypot(across * half[1]);
-        let framed = metric.is_finite() && bend.is_finite() && normal.is_finite();
-        let off = jet[0] + Box3::point(-centre);
+        let framed = stretch.is_finite() && bend.is_finite() && normal.is_finite();
+        let around = jet[0] + Box3::point(-centre);
         Self {
             surface,
             uv,
@@ -117,16 +130,18 @@ impl Part {
             centre,
             first: [a * half[0], b * half[1]],
             normal: if framed { normal } else { DVec3::ZERO },
-            radius: off.norm().hi,
+            radius: around.norm().hi,
             far: far * (1.0 + 4.0 * f64::EPSILON),
-            metric: if framed { metric } else { 0.0 },
-            bend: if framed { bend } else { f64::INFINITY },
+            stretch: if framed { stretch } else { f64::INFINITY },
+            second: if framed { second } else { [DVec3::ZERO; 3] },
+            off: if framed { off } else { 0.0 },
+            bend: if framed { bend } else { 0.0 },
         }
     }
 
-    /// True if the distance is convex over the part for points that are as far away as the part is large, times `factor`.
-    pub(super) fn is_convex_near(&self, factor: f64) -> bool {
-        self.metric > factor * self.radius * self.bend
+    /// True if the curvature of the distance is known well from everywhere.
+    pub(super) fn is_known(&self) -> bool {
+        self.stretch + self.radius * self.bend <= KNOWN && self.off <= KNOWN * self.bend
     }
 
     /// True if the second half of the parameters along a direction can be told from the first.
@@ -138,7 +153,9 @@ impl Part {
     /// The halves across the longer side; `None` if the part is as small as rounding.
     pub(super) fn halves(&self, surfaces: &[SurfaceRef]) -> Option<[Self; 2]> {
         let longer = usize::from(self.first[1].length() > self.first[0].length());
-        let d = [longer, 1 - longer].into_iter().find(|&d| self.can_halve(d))?;
+        let d = [longer, 1 - longer]
+            .into_iter()
+            .find(|&d| self.can_halve(d))?;
         let middle = self.uv[d].mid();
         let half = |t: Interval| {
             let mut uv = self.uv;
@@ -152,16 +169,13 @@ impl Part {
         ])
     }
 
-    /// μ of the module for a point.
+    /// μ of the module for the way from a point to the middle.
     #[inline]
-    fn curvature(&self, distance: f64) -> f64 {
-        let most = distance + self.radius;
-        // The part may be all of a plane.
-        if self.bend == 0.0 {
-            self.metric
-        } else {
-            self.metric - most * self.bend
-        }
+    fn curvature(&self, e: DVec3, distance: f64) -> f64 {
+        let [x, y, z] = self.second.map(|c| e.dot(c));
+        let least = 1.0 + 0.5 * (x + z) - (0.25 * (x - z) * (x - z) + y * y).sqrt();
+        let rounding = ROUNDING * (1.0 + distance * self.bend);
+        least - self.stretch - distance * self.off - self.radius * self.bend - rounding
     }
 
     /// A lower bound of half the squared distance of a point, and whether it is convex over the part.
@@ -170,7 +184,7 @@ impl Part {
         let e = self.centre - p;
         let square = e.length_squared();
         let slope = e.dot(self.first[0]).abs() + e.dot(self.first[1]).abs();
-        let curvature = self.curvature(square.sqrt());
+        let curvature = self.curvature(e, square.sqrt());
         let least = 0.5 * self.hull.distance2(p);
         if curvature > 0.0 {
             let across = e.dot(self.normal);
@@ -184,6 +198,11 @@ impl Part {
             let lower = if taylor > least { taylor } else { least };
             (lower, false)
         }
+    }
+
+    /// A number that tells parts at the same place in space apart.
+    pub(super) fn place(&self) -> f64 {
+        f64::from(self.surface) + self.uv[0].lo + self.uv[1].lo
     }
 
     /// The middle.

@@ -5,30 +5,23 @@ use crate::breaks::Breaks;
 use crate::interval::Interval;
 use crate::parallel;
 use crate::surface::{Dir, SurfaceRef};
+use glam::DVec3;
 
-/// Parts are halved until the distance is convex over them for points as far away as they are large, times this.
-const FACTOR: f64 = 2.0;
-/// So often at most.
-const DEPTH: usize = 12;
-/// The most parts of a piece that are made beforehand.
-const PARTS: usize = 256;
+/// About the most parts of a piece that are made beforehand.
+const PARTS: usize = 512;
 
-/// What is below a node.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Below {
-    /// The number of the first of two nodes.
-    Nodes(u32),
-    /// The number of a part.
-    Part(u32),
-}
-
+/// A box around some surfaces, pieces or parts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Node {
     pub(super) hull: Hull,
-    pub(super) below: Below,
+    /// The number of the part, if it is one.
+    pub(super) part: Option<u32>,
+    /// The number of the first of two nodes below, if there are any.
+    pub(super) below: Option<u32>,
 }
 
-/// All parts, with a tree of boxes over them whose root is the first node.
+/// All parts, with a tree of boxes over them whose root is the first node: halves of parts, parts of pieces, and pieces of
+/// all surfaces.
 #[derive(Debug)]
 pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
@@ -41,90 +34,125 @@ impl Tree {
             .iter()
             .enumerate()
             .flat_map(|(k, surface)| {
-                let [u, v] = [Dir::U, Dir::V].map(|dir| {
+                let [u, v] = [Dir::U, Dir::V].map(|dir| -> Vec<Interval> {
                     let breaks = surface.breaks(dir);
                     (0..breaks.pieces()).map(|i| breaks.piece(i)).collect()
                 });
-                let (u, v): (Vec<Interval>, Vec<Interval>) = (u, v);
-                u.into_iter()
-                    .flat_map(move |u| v.clone().into_iter().map(move |v| (k as u32, [u, v])))
+                let pairs = u
+                    .into_iter()
+                    .flat_map(move |u| v.clone().into_iter().map(move |v| [u, v]));
+                pairs.map(move |uv| (k as u32, uv))
             })
             .collect();
         let of = |k: usize| {
             let (surface, uv) = pieces[k];
-            divided(surfaces, Part::new(surfaces, surface, uv))
+            Divided::new(surfaces, Part::new(surfaces, surface, uv))
         };
-        let parts: Vec<Part> = parallel::each(threads, pieces.len(), of, |_| false)
-            .into_iter()
-            .flatten()
-            .collect();
+        let pieces = parallel::each(threads, pieces.len(), of, |_| false);
         let mut tree = Self {
-            nodes: Vec::with_capacity(2 * parts.len()),
-            parts,
+            nodes: Vec::new(),
+            parts: Vec::new(),
         };
-        let mut all: Vec<u32> = (0..tree.parts.len() as u32).collect();
-        if let Some(&first) = all.first() {
-            tree.nodes.push(tree.leaf(first));
+        let mut all: Vec<Divided> = pieces;
+        if let Some(first) = all.first() {
+            let hull = first.parts[0].hull;
+            tree.nodes.push(Node {
+                hull,
+                part: None,
+                below: None,
+            });
             tree.branch(0, &mut all);
         }
         tree
     }
 
-    fn leaf(&self, part: u32) -> Node {
-        Node {
-            hull: self.parts[part as usize].hull,
-            below: Below::Part(part),
-        }
-    }
-
-    /// Puts parts below a node: halves of them by their middles along the longest side of their box.
-    fn branch(&mut self, node: usize, parts: &mut [u32]) {
-        let hull = |k: &u32| self.parts[*k as usize].hull;
-        let Some(all) = parts.iter().map(hull).reduce(Hull::join) else {
+    /// Puts pieces below a node: halves of them by their middles along the longest side of their box.
+    fn branch(&mut self, node: usize, pieces: &mut [Divided]) {
+        let hull = |d: &Divided| d.parts[0].hull;
+        let Some(all) = pieces.iter().map(hull).reduce(Hull::join) else {
             return;
         };
-        if let [part] = *parts {
-            self.nodes[node] = self.leaf(part);
-            return;
+        if let [piece] = pieces {
+            return self.piece(node, piece);
         }
-        let middle = |k: &u32| {
-            let hull = hull(k);
+        let middle = |d: &Divided| {
+            let hull = hull(d);
             0.5 * hull.lo + 0.5 * hull.hi
         };
-        let (lo, hi) = parts.iter().map(middle).fold(
-            (glam::DVec3::INFINITY, glam::DVec3::NEG_INFINITY),
-            |(lo, hi), m| (lo.min(m), hi.max(m)),
-        );
+        let (lo, hi) = pieces
+            .iter()
+            .map(middle)
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), m| {
+                (lo.min(m), hi.max(m))
+            });
         let axis = (hi - lo).max_position();
-        let half = parts.len() / 2;
-        parts.select_nth_unstable_by(half, |a, b| {
-            middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b))
+        let half = pieces.len() / 2;
+        let key = |d: &Divided| (middle(d)[axis], d.parts[0].place());
+        pieces.select_nth_unstable_by(half, |a, b| {
+            let ((x, i), (y, j)) = (key(a), key(b));
+            x.total_cmp(&y).then_with(|| i.total_cmp(&j))
         });
-        let first = self.nodes.len();
-        self.nodes[node] = Node {
-            hull: all,
-            below: Below::Nodes(first as u32),
-        };
-        let empty = self.nodes[node];
-        self.nodes.extend([empty; 2]);
-        let (lower, upper) = parts.split_at_mut(half);
+        let first = self.pair(node, all);
+        let (lower, upper) = pieces.split_at_mut(half);
         self.branch(first, lower);
         self.branch(first + 1, upper);
     }
-}
 
-/// The parts of a part over which the distance is convex near the surface.
-fn divided(surfaces: &[SurfaceRef], whole: Part) -> Vec<Part> {
-    let mut done = Vec::new();
-    let mut open = std::collections::VecDeque::from([(whole, 0)]);
-    while let Some((part, depth)) = open.pop_front() {
-        let enough = depth >= DEPTH || done.len() + open.len() + 1 >= PARTS;
-        let convex = part.is_convex_near(FACTOR);
-        let halves = (!enough && !convex).then(|| part.halves(surfaces)).flatten();
-        match halves {
-            Some(halves) => open.extend(halves.map(|half| (half, depth + 1))),
-            None => done.push(part),
+    /// Makes room for two nodes below a node.
+    fn pair(&mut self, node: usize, hull: Hull) -> usize {
+        let first = self.nodes.len();
+        self.nodes[node].hull = hull;
+        self.nodes[node].below = Some(first as u32);
+        let empty = Node {
+            hull,
+            part: None,
+            below: None,
+        };
+        self.nodes.extend([empty; 2]);
+        first
+    }
+
+    /// Puts the parts of a piece below a node.
+    fn piece(&mut self, node: usize, piece: &Divided) {
+        let mut open = vec![(node, 0)];
+        while let Some((node, k)) = open.pop() {
+            let part = &piece.parts[k];
+            if let Some(halves) = piece.halves[k] {
+                let first = self.pair(node, part.hull);
+                open.extend([(first, halves), (first + 1, halves + 1)]);
+            }
+            self.nodes[node].hull = part.hull;
+            self.nodes[node].part = Some(self.parts.len() as u32);
+            self.parts.push(part.clone());
         }
     }
-    done
+}
+
+/// A piece with its parts: the curvature of the distance is known well over those that are not halved.
+struct Divided {
+    /// The piece first.
+    parts: Vec<Part>,
+    /// The number of the first half of each part that was halved.
+    halves: Vec<Option<usize>>,
+}
+
+impl Divided {
+    fn new(surfaces: &[SurfaceRef], whole: Part) -> Self {
+        let mut out = Self {
+            parts: vec![whole],
+            halves: vec![None],
+        };
+        let mut k = 0;
+        while k < out.parts.len() && out.parts.len() < PARTS {
+            if !out.parts[k].is_known()
+                && let Some(halves) = out.parts[k].halves(surfaces)
+            {
+                out.halves[k] = Some(out.parts.len());
+                out.parts.extend(halves);
+                out.halves.extend([None; 2]);
+            }
+            k += 1;
+        }
+        out
+    }
 }
