@@ -2,8 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-use nappe::curve::{Spacing, polyline};
+use nappe::curve::{CurveRef, ExpressionCurve, Spacing, polyline};
 use nappe::exact::NurbsSurface;
+use nappe::expr::Expr;
 use nappe::laws::Random;
 use nappe::query::{Finder, FinderOptions, Nearest, QueryError};
 use nappe::surface::{
@@ -231,4 +232,63 @@ fn surfaces_with_corners_and_empty_requests() {
         Finder::new(&[sphere(1.0)], options),
         Err(QueryError::Tolerance { .. })
     ));
+}
+
+#[test]
+fn small_offsets_along_normals_are_the_distances() {
+    let mut random = Random(6);
+    for surface in [rough(3, 7, false), rough(2, 5, true)] {
+        let surfaces = [surface];
+        let surface = &surfaces[0];
+        let finder = finder(&surfaces, 1e-10);
+        for _ in 0..300 {
+            let uv = surface.domain().map(|t| random.within(t));
+            let jet = surface.jet(uv, Default::default(), 1).d;
+            let normal = jet[1].cross(jet[2]).normalize();
+            let height = 1e-3 * (2.0 * random.unit() - 1.0);
+            let found = finder.nearest(jet[0] + normal * height).unwrap();
+            assert!((found.distance - height.abs()).abs() <= 1e-10, "{uv:?}");
+            assert!(found.certainty.error() <= 1e-10);
+        }
+    }
+}
+
+#[test]
+fn no_budget_and_equal_surfaces_are_answered_honestly() {
+    let mut random = Random(8);
+    let surfaces: Vec<SurfaceRef> = (0..20).map(|_| torus()).collect();
+    let options = FinderOptions {
+        budget: 0,
+        ..FinderOptions::default()
+    };
+    let finder = Finder::new(&surfaces, options).unwrap();
+    for _ in 0..100 {
+        let p = within(&mut random, 5.0);
+        let found = finder.nearest(p).unwrap();
+        let exact = ((p.truncate().length() - 3.0).hypot(p.z) - 1.0).abs();
+        assert!(found.distance >= exact - 1e-12);
+        assert!(found.distance - found.certainty.error() <= exact, "{p}");
+    }
+}
+
+#[test]
+fn surfaces_whose_whole_enclosure_is_infinite_are_found() {
+    // Over the whole range the denominator is enclosed with zero.
+    let curve = |y: f64| -> CurveRef {
+        let of = |text: &str| Expr::parse(text).unwrap().bind(&["t"], &[]).unwrap();
+        let curve =
+            ExpressionCurve::new([of("t"), of(&y.to_string()), of("1/(1+t*t-t)")], [0.0, 1.0]);
+        Arc::new(curve.unwrap())
+    };
+    let ruled: SurfaceRef =
+        Arc::new(nappe::surface::ruled(curve(0.0), curve(1.0), Dir::U).unwrap());
+    let found = finder(&[ruled], 1e-9)
+        .nearest(DVec3::new(0.5, 0.5, 3.0))
+        .unwrap();
+    // The highest place.
+    assert!(
+        (found.distance - (3.0 - 4.0 / 3.0)).abs() <= 1e-9,
+        "{found:?}"
+    );
+    assert!(found.certainty.error() <= 1e-9);
 }

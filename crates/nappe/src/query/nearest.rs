@@ -1,6 +1,6 @@
 //! The nearest point of some surfaces.
 
-use super::part::{Part, Place};
+use super::part::{Part, Place, length};
 use super::tree::Tree;
 use crate::mesh::Certainty;
 use crate::parallel;
@@ -9,16 +9,18 @@ use glam::DVec3;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-/// The rounding errors of points, as a share of the largest coordinate.
-const ROUNDING: f64 = 1e-13;
+/// The default tolerance as a share of the diagonal.
+const DEFAULT_TOL: f64 = 1e-9;
+/// How many times the rounding errors of points are asked for at least.
+const ABOVE_ROUNDING: f64 = 4.0;
 
 /// How well to answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinderOptions {
-    /// The greatest error of distances, in the surfaces' unit of length. `None`: a billionth of the diagonal of the box
-    /// around them, or what rounding leaves, if that is more.
+    /// The error of distances to search for, in the surfaces' unit of length. `None`: a billionth of the diagonal of the box
+    /// around them. What rounding leaves is not asked for.
     pub tol: Option<f64>,
-    /// The parts that are looked at for one point beyond those prepared. Where many points are about equally near (the
+    /// How many parts are halved for one point beyond what is prepared. Where many points are about equally near (the
     /// middle of a sphere), they may not suffice: then the certainty says what was reached.
     pub budget: usize,
     /// The threads that prepare; the answers do not depend on their number. `None`: as many as the machine runs at once.
@@ -46,7 +48,8 @@ pub struct Nearest {
     pub point: DVec3,
     /// How far away it is.
     pub distance: f64,
-    /// [`Certainty::Bounded`]: no point of any surface is nearer than `distance` less this.
+    /// [`Certainty::Bounded`]: no point of any surface is nearer than `distance` less this. Points are evaluated in floating
+    /// point; 10⁻¹³ of the largest coordinate is included for that, the accuracy to which every surface is held.
     pub certainty: Certainty,
 }
 
@@ -78,8 +81,7 @@ pub enum QueryError {
 
 /// Finds nearest points on some surfaces.
 ///
-/// Prepared once: each analytic piece is cut until the distance from points about as near as the part is large has one
-/// minimum there. The time for a point near the surfaces then hardly depends on their number.
+/// Prepared once: each analytic piece is cut until the curvature of the distance is known well over its parts. The time for a point near the surfaces then hardly depends on their number.
 ///
 /// ```
 /// use nappe::query::{Finder, FinderOptions};
@@ -95,10 +97,7 @@ pub enum QueryError {
 pub struct Finder {
     surfaces: Vec<SurfaceRef>,
     tree: Tree,
-    tol: Option<f64>,
-    diagonal: f64,
-    /// The largest coordinate.
-    far: f64,
+    tol: f64,
     budget: usize,
 }
 
@@ -116,17 +115,10 @@ impl Finder {
         }
         let threads = options.threads.unwrap_or_else(parallel::all_threads);
         let tree = Tree::new(surfaces, threads);
-        let hull = tree.nodes.first().map(|n| n.hull);
-        let (diagonal, far) = hull.map_or((0.0, 0.0), |h| {
-            let far = h.lo.abs().max(h.hi.abs()).max_element();
-            ((h.hi - h.lo).length(), far)
-        });
         Ok(Self {
+            tol: options.tol.unwrap_or(DEFAULT_TOL * tree.diagonal),
             surfaces: surfaces.to_vec(),
             tree,
-            tol: options.tol,
-            diagonal,
-            far,
             budget: options.budget,
         })
     }
@@ -138,14 +130,11 @@ impl Finder {
         if !p.is_finite() {
             return Err(QueryError::Point { point: p });
         }
-        let rounding = ROUNDING * self.far.max(p.abs().max_element());
-        let tol = self.tol.unwrap_or(1e-9 * self.diagonal);
         let mut search = Search {
             finder: self,
             p,
-            // Half of it is for what is left undecided.
-            tol: 0.5 * (tol - rounding).max(rounding),
             best: None,
+            rounding: 0.0,
             limit: f64::INFINITY,
             lower: f64::INFINITY,
             heap: BinaryHeap::new(),
@@ -156,8 +145,8 @@ impl Finder {
         let Some(best) = search.best else {
             return Err(QueryError::NoDistance { point: p });
         };
-        let distance = (2.0 * best.half_square).sqrt();
-        let gap = (distance - search.lower.min(distance)).max(0.0) + rounding;
+        let distance = length(best.half_square);
+        let gap = (distance - search.lower).max(0.0) + search.rounding;
         Ok(Nearest {
             surface: best.surface as usize,
             uv: best.uv,
@@ -165,6 +154,11 @@ impl Finder {
             distance,
             certainty: Certainty::Bounded(gap),
         })
+    }
+
+    /// What may be left between the distance found and the least that is not excluded, for some rounding errors of points.
+    fn gap(&self, rounding: f64) -> f64 {
+        (self.tol - rounding).max(ABOVE_ROUNDING * rounding)
     }
 
     /// [`Self::nearest`] for many points, on some threads, in their order and with the same bits on any number of threads. A
@@ -220,8 +214,9 @@ impl Ord for Open {
 struct Search<'a> {
     finder: &'a Finder,
     p: DVec3,
-    tol: f64,
     best: Option<Place>,
+    /// The rounding errors of its distance.
+    rounding: f64,
     /// Distances from here on need no look.
     limit: f64,
     /// No point of what has been settled is nearer.
@@ -242,7 +237,9 @@ impl Search<'_> {
 
     fn run(&mut self) {
         let finder = self.finder;
-        self.node(0);
+        if !finder.tree.nodes.is_empty() {
+            self.node(0, 0.0);
+        }
         while let Some(Open { lower, below }) = self.heap.pop() {
             if lower >= self.limit {
                 // All others are no nearer.
@@ -254,12 +251,14 @@ impl Search<'_> {
                     let node = &finder.tree.nodes[k as usize];
                     match (node.below, node.part) {
                         (Some(first), part) => {
-                            let settled = part.is_some_and(|part| {
-                                self.convex(&finder.tree.parts[part as usize], lower)
-                            });
-                            if !settled {
-                                self.node(first);
-                                self.node(first + 1);
+                            let part = part.map(|part| &finder.tree.parts[part as usize]);
+                            let open = match part {
+                                Some(part) => self.convex(part, lower),
+                                None => Some(lower),
+                            };
+                            if let Some(lower) = open {
+                                self.node(first, lower);
+                                self.node(first + 1, lower);
                             }
                         }
                         (None, Some(part)) => self.part(&finder.tree.parts[part as usize], lower),
@@ -274,53 +273,55 @@ impl Search<'_> {
         }
     }
 
-    /// Puts a node into the heap, with the bound of its part if it has one.
-    fn node(&mut self, k: u32) {
+    /// Puts a node into the heap, with the bound of its part if it has one, or that of what it is part of.
+    fn node(&mut self, k: u32, above: f64) {
         let tree = &self.finder.tree;
         let node = &tree.nodes[k as usize];
-        let mut lower = node.hull.distance2(self.p).sqrt();
+        let mut lower = node.hull.distance2(self.p).sqrt().max(above);
         if let Some(part) = node.part
             && lower < self.limit
         {
-            let (half_square, _) = tree.parts[part as usize].lower(self.p);
-            lower = length(half_square);
+            lower = lower.max(tree.parts[part as usize].lower(self.p).0);
         }
         self.push(lower, Item::Node(k));
     }
 
-    fn improve(&mut self, place: Place) {
+    fn improve(&mut self, part: &Part, place: Place) {
         let nearer = |b: Place| place.half_square < b.half_square;
         if place.half_square.is_finite() && self.best.is_none_or(nearer) {
             self.best = Some(place);
-            self.limit = length(place.half_square) - self.tol;
+            self.rounding = part.rounding(self.p);
+            self.limit = length(place.half_square) - self.finder.gap(self.rounding);
         }
     }
 
-    /// Looks for the nearest point of a part over which the distance is convex; true if that settles it.
-    fn convex(&mut self, part: &Part, lower: f64) -> bool {
-        let (p, tol) = (self.p, self.tol);
+    /// Looks for the nearest point of a part over which the distance is convex. `None` if that settles it, or else a lower
+    /// bound.
+    fn convex(&mut self, part: &Part, lower: f64) -> Option<f64> {
+        let p = self.p;
         if !part.lower(p).1 {
-            self.improve(part.middle(p));
-            return false;
+            self.improve(part, part.middle(p));
+            return Some(lower);
         }
         let surface = self.finder.surfaces[part.surface as usize].as_ref();
         let best = self.best.map_or(f64::INFINITY, |b| b.half_square);
-        let (place, half_square) = part.nearest(surface, p, |found, lower| {
-            length(lower) >= length(best.min(found)) - tol
+        let tol = self.finder.gap(part.rounding(p));
+        let (place, least) = part.nearest(surface, p, |found, lower| {
+            lower >= length(best.min(found)) - tol
         });
-        self.improve(place);
-        let least = length(half_square).max(lower);
-        let settled = least >= self.limit;
-        if settled {
+        self.improve(part, place);
+        let least = least.max(lower);
+        if least >= self.limit {
             self.lower = self.lower.min(least);
+            return None;
         }
-        settled
+        Some(least)
     }
 
     fn part(&mut self, part: &Part, lower: f64) {
-        if self.convex(part, lower) {
+        let Some(lower) = self.convex(part, lower) else {
             return;
-        }
+        };
         let halves = if self.budget > 0 {
             part.halves(&self.finder.surfaces)
         } else {
@@ -332,16 +333,10 @@ impl Search<'_> {
         };
         self.budget -= 1;
         for half in halves {
-            let (half_square, _) = half.lower(self.p);
-            let lower = length(half_square).max(lower);
+            let lower = half.lower(self.p).0.max(lower);
             self.own.push(half);
             let number = self.own.len() as u32 - 1;
             self.push(lower, Item::Own(number));
         }
     }
-}
-
-/// The length whose half square that is; 0 for less.
-fn length(half_square: f64) -> f64 {
-    (2.0 * half_square.max(0.0)).sqrt()
 }

@@ -33,6 +33,8 @@ pub(super) struct Part {
     second: [DVec3; 3],
     off: f64,
     bend: f64,
+    /// The largest coordinate.
+    largest: f64,
 }
 
 /// The corners of a box.
@@ -58,12 +60,36 @@ impl Hull {
         }
     }
 
+    /// The box within two boxes that both enclose the same.
+    pub(super) fn meet(self, o: Self) -> Self {
+        Self {
+            lo: self.lo.max(o.lo),
+            hi: self.hi.min(o.hi),
+        }
+    }
+
     /// The squared distance of a point from the box.
     #[inline]
     pub(super) fn distance2(&self, p: DVec3) -> f64 {
         let off = (self.lo - p).max(p - self.hi).max(DVec3::ZERO);
         off.length_squared()
     }
+}
+
+/// The limits at a place that stay in a part.
+fn limits(part: [Interval; 2], uv: [f64; 2]) -> [Limit; 2] {
+    [0, 1].map(|d| {
+        if uv[d] >= part[d].hi {
+            Limit::Below
+        } else {
+            Limit::Above
+        }
+    })
+}
+
+/// The length whose half square that is; 0 for less.
+pub(super) fn length(half_square: f64) -> f64 {
+    (2.0 * half_square.max(0.0)).sqrt()
 }
 
 /// A place on a surface, with half its squared distance.
@@ -77,6 +103,8 @@ pub(super) struct Place {
 
 /// How much of the curvature of the distance may be unknown in a part that is not halved beforehand.
 const KNOWN: f64 = 0.25;
+/// The rounding errors of points as a share of the largest coordinate: the accuracy to which every surface is held.
+const EXACTNESS: f64 = 1e-13;
 /// Rounding errors as a share of the terms.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Steps of Newton's method at most; it converges in a few.
@@ -90,9 +118,13 @@ impl Part {
         let jet = of.enclose(uv, 2);
         let middle = uv.map(Interval::mid);
         let mut at = [DVec3::ZERO; jet_len(1)];
-        of.jet_into(middle, [Limit::Above; 2], 1, &mut at);
+        of.jet_into(middle, limits(uv, middle), 1, &mut at);
         let [centre, a, b] = at;
-        let half = uv.map(|t| 0.5 * t.width() * (1.0 + f64::EPSILON));
+        // The middle is rounded too.
+        let half = [0, 1].map(|d| {
+            let (t, m) = (uv[d], middle[d]);
+            (m - t.lo).max(t.hi - m).next_up()
+        });
         // Orthonormal tangents: `e = a / along` and `(b - (b·e) e) / across`.
         let along = a.length();
         let e = a / along;
@@ -136,12 +168,21 @@ impl Part {
             second: if framed { second } else { [DVec3::ZERO; 3] },
             off: if framed { off } else { 0.0 },
             bend: if framed { bend } else { 0.0 },
+            largest: if jet[0].is_finite() {
+                jet[0]
+                    .to_array()
+                    .iter()
+                    .fold(0.0, |a, i| f64::max(a, i.mag()))
+            } else {
+                centre.abs().max_element()
+            },
         }
     }
 
-    /// True if the curvature of the distance is known well from everywhere.
-    pub(super) fn is_known(&self) -> bool {
-        self.stretch + self.radius * self.bend <= KNOWN && self.off <= KNOWN * self.bend
+    /// True if the curvature of the distance is known well from everywhere that is no farther away than `size`.
+    pub(super) fn is_known(&self, size: f64) -> bool {
+        let near = self.stretch + self.radius * self.bend <= KNOWN;
+        near && (self.off <= KNOWN * self.bend || self.off * size <= KNOWN)
     }
 
     /// True if the second half of the parameters along a direction can be told from the first.
@@ -178,31 +219,35 @@ impl Part {
         least - self.stretch - distance * self.off - self.radius * self.bend - rounding
     }
 
-    /// A lower bound of half the squared distance of a point, and whether it is convex over the part.
+    /// A lower bound of the distance of a point, and whether the distance is convex over the part.
     #[inline]
     pub(super) fn lower(&self, p: DVec3) -> (f64, bool) {
+        let least = self.hull.distance2(p).sqrt();
         let e = self.centre - p;
         let square = e.length_squared();
         let slope = e.dot(self.first[0]).abs() + e.dot(self.first[1]).abs();
         let curvature = self.curvature(e, square.sqrt());
-        let least = 0.5 * self.hull.distance2(p);
-        if curvature > 0.0 {
+        let convex = curvature > 0.0;
+        let lost = if convex {
             let across = e.dot(self.normal);
-            let tangential = (square - across * across).max(0.0);
-            let lost = slope.min(tangential / (2.0 * curvature));
-            (least.max(0.5 * square - lost), true)
+            let tangential = (square * (1.0 + ROUNDING) - across * across).max(0.0);
+            slope.min(tangential / (2.0 * curvature))
         } else {
-            let lost = slope - 0.5 * curvature * self.far * self.far;
-            // NaN tells nothing.
-            let taylor = 0.5 * square - lost;
-            let lower = if taylor > least { taylor } else { least };
-            (lower, false)
-        }
+            slope - 0.5 * curvature * self.far * self.far
+        };
+        let taylor = self.distance(0.5 * square * (1.0 - ROUNDING) - lost, p);
+        // NaN tells nothing.
+        (if taylor > least { taylor } else { least }, convex)
     }
 
-    /// A number that tells parts at the same place in space apart.
-    pub(super) fn place(&self) -> f64 {
-        f64::from(self.surface) + self.uv[0].lo + self.uv[1].lo
+    /// The distance of half a square, less rounding errors of points.
+    fn distance(&self, half_square: f64, p: DVec3) -> f64 {
+        length(half_square) - self.rounding(p)
+    }
+
+    /// The rounding errors of points of the surface, and of the way to a point.
+    pub(super) fn rounding(&self, p: DVec3) -> f64 {
+        EXACTNESS * self.largest.max(p.abs().max_element())
     }
 
     /// The middle.
@@ -216,7 +261,7 @@ impl Part {
     }
 
     /// The nearest place over a part where the distance is convex, by Newton's method within the box, and a lower bound of
-    /// half the squared distance over the part. Ends when `enough` is true for both.
+    /// the distance over the part. Ends when `enough` is true for half the squared distance and the bound.
     pub(super) fn nearest(
         &self,
         surface: &dyn Surface,
@@ -240,7 +285,8 @@ impl Part {
                 let (t, g) = (self.uv[d], now.gradient[d]);
                 (g * (t.lo - uv[d])).min(g * (t.hi - uv[d]))
             };
-            lower = f64::max(lower, now.half_square + gain(0) + gain(1));
+            let least = now.half_square + gain(0) + gain(1);
+            lower = f64::max(lower, self.distance(least, p));
             if enough(best.half_square, lower) {
                 break;
             }
@@ -273,15 +319,8 @@ impl Part {
     }
 
     fn tangents(&self, surface: &dyn Surface, p: DVec3, uv: [f64; 2]) -> Local {
-        let limit = [0, 1].map(|d| {
-            if uv[d] >= self.uv[d].hi {
-                Limit::Below
-            } else {
-                Limit::Above
-            }
-        });
         let mut jet = [DVec3::ZERO; jet_len(2)];
-        surface.jet_into(uv, limit, 2, &mut jet);
+        surface.jet_into(uv, limits(self.uv, uv), 2, &mut jet);
         let [point, a, b, aa, ab, bb] = jet;
         let e = point - p;
         Local {

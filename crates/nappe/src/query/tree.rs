@@ -1,14 +1,16 @@
 //! Parts of surfaces in a tree of boxes.
 
 use super::part::{Hull, Part};
+use crate::box3::Box3;
 use crate::breaks::Breaks;
 use crate::interval::Interval;
 use crate::parallel;
 use crate::surface::{Dir, SurfaceRef};
 use glam::DVec3;
 
-/// About the most parts of a piece that are made beforehand.
+/// About the most parts of a piece that are made beforehand, and how often it is halved: at poles more tells nothing.
 const PARTS: usize = 512;
+const DEPTH: u32 = 12;
 
 /// A box around some surfaces, pieces or parts.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +28,8 @@ pub(super) struct Node {
 pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) parts: Vec<Part>,
+    /// That of the box around all surfaces that have one.
+    pub(super) diagonal: f64,
 }
 
 impl Tree {
@@ -44,57 +48,50 @@ impl Tree {
                 pairs.map(move |uv| (k as u32, uv))
             })
             .collect();
+        let bounds = surfaces.iter().map(|s| s.bounds(s.domain()));
+        let around = bounds.filter(|b| b.is_finite()).reduce(Box3::hull);
+        let diagonal = around.map_or(0.0, Box3::diagonal);
         let of = |k: usize| {
             let (surface, uv) = pieces[k];
-            Divided::new(surfaces, Part::new(surfaces, surface, uv))
+            Divided::new(surfaces, Part::new(surfaces, surface, uv), diagonal)
         };
         let pieces = parallel::each(threads, pieces.len(), of, |_| false);
         let mut tree = Self {
             nodes: Vec::new(),
             parts: Vec::new(),
+            diagonal,
         };
-        let mut all: Vec<Divided> = pieces;
-        if let Some(first) = all.first() {
-            let hull = first.parts[0].hull;
+        if let Some(first) = pieces.first() {
             tree.nodes.push(Node {
-                hull,
+                hull: first.hulls[0],
                 part: None,
                 below: None,
             });
-            tree.branch(0, &mut all);
+            tree.branch(0, pieces);
         }
         tree
     }
 
     /// Puts pieces below a node: halves of them by their middles along the longest side of their box.
-    fn branch(&mut self, node: usize, pieces: &mut [Divided]) {
-        let hull = |d: &Divided| d.parts[0].hull;
-        let Some(all) = pieces.iter().map(hull).reduce(Hull::join) else {
+    fn branch(&mut self, node: usize, mut pieces: Vec<Divided>) {
+        if pieces.len() < 2 {
+            for piece in pieces {
+                self.piece(node, piece);
+            }
             return;
-        };
-        if let [piece] = pieces {
-            return self.piece(node, piece);
         }
-        let middle = |d: &Divided| {
-            let hull = hull(d);
-            0.5 * hull.lo + 0.5 * hull.hi
-        };
-        let (lo, hi) = pieces
-            .iter()
-            .map(middle)
-            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), m| {
-                (lo.min(m), hi.max(m))
-            });
+        let middle = |d: &Divided| 0.5 * d.hulls[0].lo + 0.5 * d.hulls[0].hi;
+        let (mut all, mut lo, mut hi) = (pieces[0].hulls[0], DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for piece in &pieces {
+            all = all.join(piece.hulls[0]);
+            (lo, hi) = (lo.min(middle(piece)), hi.max(middle(piece)));
+        }
         let axis = (hi - lo).max_position();
         let half = pieces.len() / 2;
-        let key = |d: &Divided| (middle(d)[axis], d.parts[0].place());
-        pieces.select_nth_unstable_by(half, |a, b| {
-            let ((x, i), (y, j)) = (key(a), key(b));
-            x.total_cmp(&y).then_with(|| i.total_cmp(&j))
-        });
+        pieces.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]));
+        let upper = pieces.split_off(half);
         let first = self.pair(node, all);
-        let (lower, upper) = pieces.split_at_mut(half);
-        self.branch(first, lower);
+        self.branch(first, pieces);
         self.branch(first + 1, upper);
     }
 
@@ -113,17 +110,18 @@ impl Tree {
     }
 
     /// Puts the parts of a piece below a node.
-    fn piece(&mut self, node: usize, piece: &Divided) {
+    fn piece(&mut self, node: usize, piece: Divided) {
+        let first_part = self.parts.len();
+        self.parts.extend(piece.parts);
         let mut open = vec![(node, 0)];
         while let Some((node, k)) = open.pop() {
-            let part = &piece.parts[k];
+            let hull = piece.hulls[k];
             if let Some(halves) = piece.halves[k] {
-                let first = self.pair(node, part.hull);
+                let first = self.pair(node, hull);
                 open.extend([(first, halves), (first + 1, halves + 1)]);
             }
-            self.nodes[node].hull = part.hull;
-            self.nodes[node].part = Some(self.parts.len() as u32);
-            self.parts.push(part.clone());
+            self.nodes[node].hull = hull;
+            self.nodes[node].part = Some((first_part + k) as u32);
         }
     }
 }
@@ -134,24 +132,37 @@ struct Divided {
     parts: Vec<Part>,
     /// The number of the first half of each part that was halved.
     halves: Vec<Option<usize>>,
+    /// The boxes of the parts, no larger than those around their halves.
+    hulls: Vec<Hull>,
 }
 
 impl Divided {
-    fn new(surfaces: &[SurfaceRef], whole: Part) -> Self {
+    fn new(surfaces: &[SurfaceRef], whole: Part, size: f64) -> Self {
         let mut out = Self {
             parts: vec![whole],
             halves: vec![None],
+            hulls: Vec::new(),
         };
+        let mut depths = vec![0];
         let mut k = 0;
         while k < out.parts.len() && out.parts.len() < PARTS {
-            if !out.parts[k].is_known()
+            if depths[k] < DEPTH
+                && !out.parts[k].is_known(size)
                 && let Some(halves) = out.parts[k].halves(surfaces)
             {
                 out.halves[k] = Some(out.parts.len());
                 out.parts.extend(halves);
                 out.halves.extend([None; 2]);
+                depths.extend([depths[k] + 1; 2]);
             }
             k += 1;
+        }
+        out.hulls = out.parts.iter().map(|p| p.hull).collect();
+        for k in (0..out.parts.len()).rev() {
+            if let Some(first) = out.halves[k] {
+                let halves = out.hulls[first].join(out.hulls[first + 1]);
+                out.hulls[k] = out.hulls[k].meet(halves);
+            }
         }
         out
     }
