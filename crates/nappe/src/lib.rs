@@ -81,6 +81,7 @@ mod frame;
 mod interval;
 mod linear;
 mod parallel;
+mod ranked;
 mod significant;
 mod simd;
 mod size;

@@ -8,9 +8,9 @@ use super::taylor::{Patch, Taylor};
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
 use crate::mesh::Certainty;
+use crate::ranked::Ranked;
 use crate::surface::{Dir, Surface, jet_index};
 use glam::DVec3;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// How accurately to integrate.
@@ -87,34 +87,6 @@ struct Cell {
     rounding: f64,
     /// The direction to halve: where the terms of the highest degree weigh more.
     next: usize,
-    /// Breaks ties, and orders the final sum.
-    number: usize,
-}
-
-impl Cell {
-    /// What halving can lessen.
-    fn remainder(&self) -> f64 {
-        self.error - self.rounding
-    }
-}
-
-impl PartialEq for Cell {
-    fn eq(&self, o: &Self) -> bool {
-        self.cmp(o) == Ordering::Equal
-    }
-}
-impl Eq for Cell {}
-impl PartialOrd for Cell {
-    fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
-        Some(self.cmp(o))
-    }
-}
-impl Ord for Cell {
-    fn cmp(&self, o: &Self) -> Ordering {
-        self.remainder()
-            .total_cmp(&o.remainder())
-            .then(o.number.cmp(&self.number))
-    }
 }
 
 /// `∫ xⁿ` and `∫ |x|ⁿ` over an interval that contains 0 near its middle, for n up to the degree.
@@ -239,9 +211,9 @@ struct Total {
 }
 
 impl Total {
-    fn of(cells: &BinaryHeap<Cell>) -> Self {
+    fn of(cells: &BinaryHeap<Ranked<Cell>>) -> Self {
         let mut t = Self::default();
-        cells.iter().for_each(|c| t.add(c, 1.0));
+        cells.iter().for_each(|c| t.add(&c.item, 1.0));
         t
     }
 
@@ -279,14 +251,18 @@ pub(super) fn integrate(
         } else {
             f64::INFINITY
         };
-        Cell {
-            surface,
-            uv,
-            value,
-            error,
-            rounding,
-            next,
+        Ranked {
+            // What halving can lessen.
+            rank: error - rounding,
             number,
+            item: Cell {
+                surface,
+                uv,
+                value,
+                error,
+                rounding,
+                next,
+            },
         }
     };
     let mut heap = BinaryHeap::new();
@@ -311,19 +287,20 @@ pub(super) fn integrate(
                 break;
             }
         }
-        let Some(top) = heap.pop() else { break };
+        let Some(ranked) = heap.pop() else { break };
+        let top = &ranked.item;
         let d = top.next;
         let m = top.uv[d].mid();
         if m <= top.uv[d].lo || m >= top.uv[d].hi {
-            heap.push(top);
+            heap.push(ranked);
             break;
         }
-        total.add(&top, -1.0);
+        total.add(top, -1.0);
         for (lo, hi) in [(top.uv[d].lo, m), (m, top.uv[d].hi)] {
             let mut uv = top.uv;
             uv[d] = Interval::new(lo, hi);
             let half = cell(top.surface, uv);
-            total.add(&half, 1.0);
+            total.add(&half.item, 1.0);
             heap.push(half);
         }
         looks += 2;
@@ -331,7 +308,7 @@ pub(super) fn integrate(
     let mut cells = heap.into_vec();
     cells.sort_by_key(|c| c.number);
     let mut sums = vec![Interval::ZERO; surfaces.len()];
-    for c in &cells {
+    for Ranked { item: c, .. } in &cells {
         sums[c.surface] = sums[c.surface] + c.value;
     }
     sums

@@ -3,8 +3,8 @@
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
 use crate::mesh::Certainty;
+use crate::ranked::Ranked;
 use crate::surface::{Dir, Surface, SurfaceJet};
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// How hard to look.
@@ -57,29 +57,6 @@ struct Node<const N: usize> {
     next: usize,
     /// The number of the first half; the second follows.
     halves: Option<usize>,
-}
-
-/// An upper bound over a box. Among equal bounds the earlier box is first, for one result whatever the heap does.
-struct Bound {
-    upper: f64,
-    node: usize,
-}
-
-impl PartialEq for Bound {
-    fn eq(&self, o: &Self) -> bool {
-        self.cmp(o) == Ordering::Equal
-    }
-}
-impl Eq for Bound {}
-impl PartialOrd for Bound {
-    fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
-        Some(self.cmp(o))
-    }
-}
-impl Ord for Bound {
-    fn cmp(&self, o: &Self) -> Ordering {
-        self.upper.total_cmp(&o.upper).then(o.node.cmp(&self.node))
-    }
 }
 
 /// Which extreme.
@@ -227,28 +204,34 @@ impl<'a, const N: usize, Q: Quantities<N>> Search<'a, N, Q> {
     ) -> Option<Extreme> {
         let sign = end.sign();
         self.climb(quantity, end);
+        // The search looks where the bound is greatest.
         let bound = |nodes: &[Node<N>], node: usize| {
             let r = nodes[node].ranges[quantity];
             let upper = match end {
                 End::Greatest => r.hi,
                 End::Least => -r.lo,
             };
-            Bound { upper, node }
+            Ranked {
+                rank: upper,
+                number: node,
+                item: (),
+            }
         };
-        let mut heap: BinaryHeap<Bound> = (0..self.roots).map(|k| bound(&self.nodes, k)).collect();
+        let mut heap: BinaryHeap<Ranked<()>> =
+            (0..self.roots).map(|k| bound(&self.nodes, k)).collect();
         let mut looks = heap.len();
         // What the search can no longer split.
         let mut floor = f64::NEG_INFINITY;
         while let Some(top) = heap.pop() {
             let enough = self.best(quantity, end).is_some_and(|(x, _)| {
-                top.upper <= sign * x + self.slack(quantity, options.relative)
+                top.rank <= sign * x + self.slack(quantity, options.relative)
             });
             if enough || looks >= options.budget {
-                floor = floor.max(top.upper);
+                floor = floor.max(top.rank);
                 break;
             }
-            let Some(first) = self.halve(top.node) else {
-                floor = floor.max(top.upper);
+            let Some(first) = self.halve(top.number) else {
+                floor = floor.max(top.rank);
                 continue;
             };
             for node in [first, first + 1] {

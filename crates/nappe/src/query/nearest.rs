@@ -4,9 +4,9 @@ use super::part::{Part, Place, length};
 use super::tree::Tree;
 use crate::mesh::Certainty;
 use crate::parallel;
+use crate::ranked::Ranked;
 use crate::surface::{SurfaceRef, in_parallel};
 use glam::DVec3;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// The default tolerance as a share of the diagonal.
@@ -138,6 +138,7 @@ impl Finder {
             limit: f64::INFINITY,
             lower: f64::INFINITY,
             heap: BinaryHeap::new(),
+            pushed: 0,
             own: Vec::new(),
             budget: self.budget,
         };
@@ -178,36 +179,11 @@ impl Finder {
     }
 }
 
-/// What is still to be looked at, the least lower bound first.
-struct Open {
-    lower: f64,
-    below: Item,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// What is still to be looked at.
 enum Item {
     Node(u32),
     /// A part made for this point.
     Own(u32),
-}
-
-impl PartialEq for Open {
-    fn eq(&self, o: &Self) -> bool {
-        self.cmp(o) == Ordering::Equal
-    }
-}
-impl Eq for Open {}
-impl PartialOrd for Open {
-    fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
-        Some(self.cmp(o))
-    }
-}
-impl Ord for Open {
-    /// The heap hands out the greatest.
-    fn cmp(&self, o: &Self) -> Ordering {
-        let nearest = o.lower.total_cmp(&self.lower);
-        nearest.then(o.below.cmp(&self.below))
-    }
 }
 
 /// The search for one point.
@@ -221,17 +197,24 @@ struct Search<'a> {
     limit: f64,
     /// No point of what has been settled is nearer.
     lower: f64,
-    heap: BinaryHeap<Open>,
+    /// The least lower bound first.
+    heap: BinaryHeap<Ranked<Item>>,
+    pushed: usize,
     own: Vec<Part>,
     budget: usize,
 }
 
 impl Search<'_> {
-    fn push(&mut self, lower: f64, below: Item) {
+    fn push(&mut self, lower: f64, item: Item) {
         if lower >= self.limit {
             self.lower = self.lower.min(lower);
         } else {
-            self.heap.push(Open { lower, below });
+            self.pushed += 1;
+            self.heap.push(Ranked {
+                rank: -lower,
+                number: self.pushed,
+                item,
+            });
         }
     }
 
@@ -240,13 +223,14 @@ impl Search<'_> {
         if !finder.tree.nodes.is_empty() {
             self.node(0, 0.0);
         }
-        while let Some(Open { lower, below }) = self.heap.pop() {
+        while let Some(Ranked { rank, item, .. }) = self.heap.pop() {
+            let lower = -rank;
             if lower >= self.limit {
                 // All others are no nearer.
                 self.lower = self.lower.min(lower);
                 return;
             }
-            match below {
+            match item {
                 Item::Node(k) => {
                     let node = &finder.tree.nodes[k as usize];
                     match (node.below, node.part) {

@@ -15,11 +15,11 @@ use crate::breaks::Breaks;
 use crate::interval::Interval;
 use crate::mesh::closing::SHARE;
 use crate::mesh::shared::Edge;
+use crate::ranked::Ranked;
 use crate::surface::{Dir, Side, Surface, SurfaceRef};
 use glam::DVec3;
 use links::Links;
 use meet::{Kind, Meet, Root};
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use tree::{Line, Node, Tree};
 
@@ -144,29 +144,10 @@ fn tree(surface: &dyn Surface) -> Tree<'_> {
     Tree::new(surface, size, poles.collect())
 }
 
-/// A pair of nodes to be looked at; the largest first, among equals the earliest.
+/// A pair of nodes to be looked at.
 struct Pending {
-    size: f64,
-    order: usize,
     nodes: [usize; 2],
     halvings: u32,
-}
-
-impl PartialEq for Pending {
-    fn eq(&self, o: &Self) -> bool {
-        self.cmp(o) == Ordering::Equal
-    }
-}
-impl Eq for Pending {}
-impl PartialOrd for Pending {
-    fn partial_cmp(&self, o: &Self) -> Option<Ordering> {
-        Some(self.cmp(o))
-    }
-}
-impl Ord for Pending {
-    fn cmp(&self, o: &Self) -> Ordering {
-        self.size.total_cmp(&o.size).then(o.order.cmp(&self.order))
-    }
 }
 
 /// The search for one pair of surfaces; `None` if they are proven to be apart.
@@ -188,18 +169,19 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
 
     let mut heap = BinaryHeap::new();
     let mut order = 0;
-    let mut push = |heap: &mut BinaryHeap<Pending>, trees: &[Tree], nodes: [usize; 2], halvings| {
-        let size = trees[i].nodes[nodes[0]]
-            .size()
-            .max(trees[j].nodes[nodes[1]].size());
-        order += 1;
-        heap.push(Pending {
-            size,
-            order,
-            nodes,
-            halvings,
-        });
-    };
+    // The largest first.
+    let mut push =
+        |heap: &mut BinaryHeap<Ranked<Pending>>, trees: &[Tree], nodes: [usize; 2], halvings| {
+            let size = trees[i].nodes[nodes[0]]
+                .size()
+                .max(trees[j].nodes[nodes[1]].size());
+            order += 1;
+            heap.push(Ranked {
+                rank: size,
+                number: order,
+                item: Pending { nodes, halvings },
+            });
+        };
     push(&mut heap, trees, pair.map(|k| trees[k].root), 0);
     let pieces = |s: &dyn Surface| s.breaks(Dir::U).pieces() * s.breaks(Dir::V).pieces();
     let pieces: usize = surfaces.iter().map(|s| pieces(*s)).sum();
@@ -212,7 +194,7 @@ fn search(trees: &mut [Tree], pair: [usize; 2], options: &OverlapOptions) -> Opt
         uv: root.uv,
         point: root.point,
     };
-    while let Some(top) = heap.pop() {
+    while let Some(Ranked { item: top, .. }) = heap.pop() {
         let [x, y] = [trees[i].nodes[top.nodes[0]], trees[j].nodes[top.nodes[1]]];
         // Quickly seen, and not counted: near a point where a surface touches itself there are many such pairs.
         if is_one_place(surfaces, &x, &y, &links, contact) {
