@@ -12,6 +12,17 @@ pub enum Limit {
     Above,
 }
 
+/// The limits at a place of a rectangle from the inside of the rectangle.
+pub(crate) fn inwards(uv: [f64; 2], within: [Interval; 2]) -> [Limit; 2] {
+    [0, 1].map(|d| {
+        if uv[d] >= within[d].hi {
+            Limit::Below
+        } else {
+            Limit::Above
+        }
+    })
+}
+
 /// A parameter where two analytic pieces meet, or an end of the domain.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Break {

@@ -353,6 +353,12 @@ impl Interval {
     }
 }
 
+/// The greater of two numbers; NaN if one is none, which [`f64::max`] would lose.
+#[inline(always)]
+pub(crate) fn greater(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b <= a { a } else { b }
+}
+
 /// `[lo, hi]` with both ends moved at least `ulps` steps outwards; the whole line if an end is not a number.
 ///
 /// A step without branches is `x ± (φ|x| + η)` with `φ = u (1 + 2u)`, u half a unit in the last place of 1, and η the

@@ -10,7 +10,7 @@
 
 use crate::basis::BSplineBasis;
 use crate::breaks::Limit;
-use crate::interval::Interval;
+use crate::interval::{Interval, greater};
 use crate::surface::{jet_index, jet_len};
 use glam::DVec4;
 use smallvec::SmallVec;
@@ -197,12 +197,6 @@ pub(super) fn derivatives(
         }
     }
     out
-}
-
-/// The greater one, or NaN.
-#[inline(always)]
-fn greater(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b <= a { a } else { b }
 }
 
 /// The numbers between two others that are off by an error.

@@ -25,7 +25,7 @@
 //! `slide` takes nearer partners.
 
 use crate::box3::Box3;
-use crate::interval::Interval;
+use crate::interval::{Interval, greater};
 use crate::surface::{Surface, jet_len};
 use glam::DVec3;
 
@@ -89,7 +89,7 @@ impl Bend {
         let (aa, bb) = (a * a, b * b);
         let above = reach(uu.hi * aa, mixed, vv.hi * bb);
         let below = reach(-uu.lo * aa, mixed, -vv.lo * bb);
-        let across = 0.125 * worst(above, below);
+        let across = 0.125 * greater(above, below);
         let within = (self.within[0] * a * a).max(self.within[1] * b * b);
         (length(across + self.slope * within, within) + self.shift) * ROUND_UP
     }
@@ -170,15 +170,6 @@ fn symmetric(x: f64) -> Interval {
     }
 }
 
-/// The maximum that does not lose NaN.
-fn worst(a: f64, b: f64) -> f64 {
-    if a.is_nan() || b.is_nan() {
-        f64::NAN
-    } else {
-        a.max(b)
-    }
-}
-
 /// `max {uu s² + 2 uv s t + vv t² : 0 ≤ s, t ≤ 1}` for `uv ≥ 0`: at the origin, or on a side `s = 1` or `t = 1`, since the
 /// form is homogeneous.
 fn reach(uu: f64, uv: f64, vv: f64) -> f64 {
@@ -190,7 +181,7 @@ fn reach(uu: f64, uv: f64, vv: f64) -> f64 {
             first + 2.0 * uv + second
         }
     };
-    worst(worst(side(uu, vv), side(vv, uu)), 0.0)
+    greater(greater(side(uu, vv), side(vv, uu)), 0.0)
 }
 
 /// Samples for a bound that cannot be proven, in each direction.

@@ -600,7 +600,14 @@ impl<'a> Work<'a> {
         let slides = |f: &Framed| proven && f.between(self.demand.tol) <= self.between;
         let framed = framed.filter(slides);
         let (framed, local) = (framed.as_ref(), local.as_ref());
-        let best = bounds(self.surface, place, jet, local, proven, framed, tol)
+        // At sides, only for a division.
+        let parts = if inside || least >= SETTLED {
+            framed.zip(local).map(|(f, l)| Parts::new(f, place, l))
+        } else {
+            None
+        };
+        let parts = parts.as_ref();
+        let best = bounds(self.surface, place, jet, parts, proven, framed, tol)
             .iter()
             .filter_map(|b| b.level(tol, grain))
             .min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -612,16 +619,13 @@ impl<'a> Work<'a> {
         };
         // Bounds of whole squares say too much about their parts.
         let inner = level.min(least + 1);
-        let parts = match (framed, local) {
-            (Some(framed), Some(local)) if (SETTLED + 1..=MOST).contains(&inner) => {
-                Division::new(&Parts::new(framed, place, local), inner, grain, tol)
-            }
-            _ => None,
-        };
-        // With hardly a bisection if all goes well: measuring says for each number of bisections what the bound says for
-        // `level` and more.
+        let parts = parts
+            .filter(|_| (SETTLED + 1..=MOST).contains(&inner))
+            .and_then(|parts| Division::new(parts, inner, grain, tol));
         // Of many small squares, some triangles more cost less than measuring.
         let small = local.is_some_and(|l| du * dv <= SMALL * 4.0 * l.half[0] * l.half[1]);
+        // With hardly a bisection if all goes well: measuring says for each number of bisections what the bound says for
+        // `level` and more.
         if framed.is_some()
             && parts.is_none()
             && level > if small { least + 1 } else { least }

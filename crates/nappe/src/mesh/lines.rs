@@ -1,8 +1,6 @@
 //! The vertices on the sides of a surface: neighbours share them.
 
 use super::layout::Layout;
-use crate::breaks::Limit;
-use crate::interval::Interval;
 use crate::surface::{Dir, Side};
 
 /// A parameter pair as a key.
@@ -22,17 +20,6 @@ pub(super) fn on(layout: &Layout, side: Side) -> Vec<f64> {
     line.sort_by(f64::total_cmp);
     line.dedup();
     line
-}
-
-/// The limits at a place of a block from the inside of the block.
-pub(super) fn inwards(uv: [f64; 2], block: [Interval; 2]) -> [Limit; 2] {
-    [0, 1].map(|d| {
-        if uv[d] >= block[d].hi {
-            Limit::Below
-        } else {
-            Limit::Above
-        }
-    })
 }
 
 /// 0 for u, 1 for v.

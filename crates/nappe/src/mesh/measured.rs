@@ -11,9 +11,9 @@
 //! `L(p_s)` alone, and so is continuous, but for edges between triangles that are cut into other parts. So this is one more
 //! kind of square in the theorem of `partners`.
 
-use super::lines::inwards;
 use super::partners::{BETWEEN, Place, greatest, greatest_of};
 use crate::box3::Box3;
+use crate::breaks::inwards;
 use crate::surface::{Surface, jet_len};
 use glam::DVec3;
 

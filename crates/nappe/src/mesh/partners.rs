@@ -44,11 +44,11 @@
 
 use super::bound::ROUND_UP;
 use super::parts::Parts;
-use super::pieces::{Jet, Local};
+use super::pieces::Jet;
 use super::slide::{NEGLIGIBLE, Tip, frame, tip};
 use crate::ball::{Ball, Ball3};
 use crate::box3::Box3;
-use crate::interval::Interval;
+use crate::interval::{Interval, greater};
 use crate::simd::{Lanes, Plain, QUAD, Registers, Single};
 use crate::surface::Surface;
 use glam::DMat3;
@@ -123,8 +123,7 @@ impl Bound {
 
 /// The greatest of some numbers; NaN if one is none.
 pub(super) fn greatest_of(all: impl IntoIterator<Item = f64>) -> f64 {
-    all.into_iter()
-        .fold(0.0, |a, b| if a.is_nan() || b <= a { a } else { b })
+    all.into_iter().fold(0.0, greater)
 }
 
 /// The size of the triangles' legs, as a share of the square's, after an even number of bisections.
@@ -298,10 +297,10 @@ impl Framed {
         }
     }
 
-    /// Partners along the normal; `local` is what is known about the square itself.
-    fn inside(&self, place: &Place, local: Option<&Local>) -> Bound {
-        if let Some(local) = local {
-            return Parts::new(self, place, local).whole();
+    /// Partners along the normal; `parts` is what is known about the square itself.
+    fn inside(&self, place: &Place, parts: Option<&Parts>) -> Bound {
+        if let Some(parts) = parts {
+            return parts.whole();
         }
         let Self { sized, normal, .. } = self;
         let least = normal.z.lo();
@@ -350,7 +349,7 @@ pub(super) fn bounds(
     surface: &dyn Surface,
     place: &Place,
     jet: &Jet<Box3>,
-    local: Option<&Local>,
+    parts: Option<&Parts>,
     proven: bool,
     framed: Option<&Framed>,
     tol: f64,
@@ -361,7 +360,7 @@ pub(super) fn bounds(
     }
     if let Some(framed) = framed {
         match [0, 1].map(|d| place.touches(d) != [false; 2]) {
-            [false, false] => out.push(framed.inside(place, local)),
+            [false, false] => out.push(framed.inside(place, parts)),
             [false, true] => out.extend(along(place, jet, 0)),
             [true, false] => out.extend(along(place, jet, 1)),
             [true, true] => {}

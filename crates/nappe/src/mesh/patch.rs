@@ -7,12 +7,12 @@
 
 use super::bisection::{CELL, DEPTH, Numbered, Place};
 use super::layout::{Layout, Region};
-use super::lines::{Key, index, inwards, key};
+use super::lines::{Key, index, key};
 use super::options::MeshError;
 use super::slide::is_turned;
 use super::stitch::Border;
 use super::{MeshPatch, MeshVertex};
-use crate::breaks::Limit;
+use crate::breaks::{Limit, inwards};
 use crate::interval::Interval;
 use crate::parallel;
 use crate::surface::{Side, Surface, jet_len, normal_at, normal_from};

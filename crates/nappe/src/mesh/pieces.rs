@@ -108,10 +108,7 @@ impl<'a> Pieces<'a> {
 
     /// What is known about a small rectangle in one piece.
     pub(super) fn local(&self, uv: [Interval; 2]) -> Option<Local> {
-        if !self.is_in_one(uv) {
-            return None;
-        }
-        let (tile, place) = self.piece(self.covered(uv).map(|range| range.start));
+        let (tile, place) = self.piece(self.one(uv)?);
         let mut hull = None;
         tile[place].join(self, uv, &mut hull);
         hull.and_then(|h| h.local)
@@ -119,7 +116,14 @@ impl<'a> Pieces<'a> {
 
     /// True for a rectangle in one piece.
     pub(super) fn is_in_one(&self, uv: [Interval; 2]) -> bool {
-        self.covered(uv).iter().all(|range| range.len() == 1)
+        self.one(uv).is_some()
+    }
+
+    /// The piece that a rectangle lies in, if it is one.
+    fn one(&self, uv: [Interval; 2]) -> Option<[usize; 2]> {
+        let range = self.covered(uv);
+        let one = range.iter().all(|range| range.len() == 1);
+        one.then(|| range.map(|range| range.start))
     }
 
     /// The pieces that a rectangle covers along u and v.

@@ -81,7 +81,8 @@ pub enum QueryError {
 
 /// Finds nearest points on some surfaces.
 ///
-/// Prepared once: each analytic piece is cut until the curvature of the distance is known well over its parts. The time for a point near the surfaces then hardly depends on their number.
+/// Prepared once: each analytic piece is cut until the curvature of the distance is known well over its parts. The time
+/// for a point near the surfaces then hardly depends on their number.
 ///
 /// ```
 /// use nappe::query::{Finder, FinderOptions};
@@ -139,7 +140,6 @@ impl Finder {
             lower: f64::INFINITY,
             heap: BinaryHeap::new(),
             pushed: 0,
-            own: Vec::new(),
             budget: self.budget,
         };
         search.run();
@@ -182,8 +182,8 @@ impl Finder {
 /// What is still to be looked at.
 enum Item {
     Node(u32),
-    /// A part made for this point.
-    Own(u32),
+    /// Made for this point.
+    Part(Box<Part>),
 }
 
 /// The search for one point.
@@ -200,7 +200,6 @@ struct Search<'a> {
     /// The least lower bound first.
     heap: BinaryHeap<Ranked<Item>>,
     pushed: usize,
-    own: Vec<Part>,
     budget: usize,
 }
 
@@ -249,10 +248,7 @@ impl Search<'_> {
                         (None, None) => {}
                     }
                 }
-                Item::Own(k) => {
-                    let part = self.own[k as usize].clone();
-                    self.part(&part, lower);
-                }
+                Item::Part(part) => self.part(&part, lower),
             }
         }
     }
@@ -265,7 +261,7 @@ impl Search<'_> {
         if let Some(part) = node.part
             && lower < self.limit
         {
-            lower = lower.max(tree.parts[part as usize].lower(self.p).0);
+            lower = lower.max(tree.parts[part as usize].lower(self.p));
         }
         self.push(lower, Item::Node(k));
     }
@@ -283,7 +279,7 @@ impl Search<'_> {
     /// bound.
     fn convex(&mut self, part: &Part, lower: f64) -> Option<f64> {
         let p = self.p;
-        if !part.lower(p).1 {
+        if !part.is_convex(p) {
             self.improve(part, part.middle(p));
             return Some(lower);
         }
@@ -317,10 +313,8 @@ impl Search<'_> {
         };
         self.budget -= 1;
         for half in halves {
-            let lower = half.lower(self.p).0.max(lower);
-            self.own.push(half);
-            let number = self.own.len() as u32 - 1;
-            self.push(lower, Item::Own(number));
+            let lower = half.lower(self.p).max(lower);
+            self.push(lower, Item::Part(Box::new(half)));
         }
     }
 }

@@ -9,13 +9,13 @@
 //! elsewhere: `f ≥ f(x) + ∇f(x) (y - x)`.
 
 use crate::box3::Box3;
-use crate::breaks::Limit;
+use crate::breaks::inwards;
 use crate::interval::Interval;
 use crate::surface::{Surface, SurfaceRef, jet_len};
 use glam::DVec3;
 
 /// A part of a surface in one analytic piece.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Part {
     pub(super) surface: u32,
     pub(super) uv: [Interval; 2],
@@ -76,17 +76,6 @@ impl Hull {
     }
 }
 
-/// The limits at a place that stay in a part.
-fn limits(part: [Interval; 2], uv: [f64; 2]) -> [Limit; 2] {
-    [0, 1].map(|d| {
-        if uv[d] >= part[d].hi {
-            Limit::Below
-        } else {
-            Limit::Above
-        }
-    })
-}
-
 /// The length whose half square that is; 0 for less.
 pub(super) fn length(half_square: f64) -> f64 {
     (2.0 * half_square.max(0.0)).sqrt()
@@ -118,7 +107,7 @@ impl Part {
         let jet = of.enclose(uv, 2);
         let middle = uv.map(Interval::mid);
         let mut at = [DVec3::ZERO; jet_len(1)];
-        of.jet_into(middle, limits(uv, middle), 1, &mut at);
+        of.jet_into(middle, inwards(middle, uv), 1, &mut at);
         let [centre, a, b] = at;
         // The middle is rounded too.
         let half = [0, 1].map(|d| {
@@ -219,16 +208,21 @@ impl Part {
         least - self.stretch - distance * self.off - self.radius * self.bend - rounding
     }
 
-    /// A lower bound of the distance of a point, and whether the distance is convex over the part.
+    /// True if the distance of a point is convex over the part.
+    pub(super) fn is_convex(&self, p: DVec3) -> bool {
+        let e = self.centre - p;
+        self.curvature(e, e.length()) > 0.0
+    }
+
+    /// A lower bound of the distance of a point.
     #[inline]
-    pub(super) fn lower(&self, p: DVec3) -> (f64, bool) {
+    pub(super) fn lower(&self, p: DVec3) -> f64 {
         let least = self.hull.distance2(p).sqrt();
         let e = self.centre - p;
         let square = e.length_squared();
         let slope = e.dot(self.first[0]).abs() + e.dot(self.first[1]).abs();
-        let curvature = self.curvature(e, square.sqrt());
-        let convex = curvature > 0.0;
-        let lost = if convex {
+        let curvature = self.curvature(e, e.length());
+        let lost = if curvature > 0.0 {
             let across = e.dot(self.normal);
             let tangential = (square * (1.0 + ROUNDING) - across * across).max(0.0);
             slope.min(tangential / (2.0 * curvature))
@@ -237,7 +231,7 @@ impl Part {
         };
         let taylor = self.distance(0.5 * square * (1.0 - ROUNDING) - lost, p);
         // NaN tells nothing.
-        (if taylor > least { taylor } else { least }, convex)
+        if taylor > least { taylor } else { least }
     }
 
     /// The distance of half a square, less rounding errors of points.
@@ -320,7 +314,7 @@ impl Part {
 
     fn tangents(&self, surface: &dyn Surface, p: DVec3, uv: [f64; 2]) -> Local {
         let mut jet = [DVec3::ZERO; jet_len(2)];
-        surface.jet_into(uv, limits(self.uv, uv), 2, &mut jet);
+        surface.jet_into(uv, inwards(uv, self.uv), 2, &mut jet);
         let [point, a, b, aa, ab, bb] = jet;
         let e = point - p;
         Local {
