@@ -86,6 +86,10 @@ impl Columns {
             }
             for (values, pack) in values[start..].chunks_exact_mut(stride).zip(pack) {
                 values[columns.start..][..Pack::LANES].copy_from_slice(&pack.0);
+                // A register may begin at any column and reach behind the last one.
+                if columns.end == v.len() {
+                    values[columns.start + Pack::LANES..].fill(pack.0[Pack::LANES - 1]);
+                }
             }
         });
         let active: Vec<_> = v
@@ -229,8 +233,12 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
     let (side, count) = (surface.functions_u(), surface.functions_v().count());
     let mut all = vec![[0.0; 4]; (ORDER + 1) * count];
     let (mut a, mut sparse) = (Vec::new(), Vec::new());
-    let mut spare = vec![0.0; O::EACH * R::LANES];
+    // Sums of products alone load so much for each point that they wait for stores under way to memory; their rows are put
+    // together in the cache and copied. Divisions and normals take long enough to store beside them.
+    let in_cache = D == 3 && JET == 1;
+    let mut stage = vec![0.0; O::EACH * (v.len().min(COLUMNS) + R::LANES)];
     for (tile, columns) in v.chunks(COLUMNS).enumerate() {
+        let first = tile * COLUMNS;
         let Columns {
             pieces,
             values,
@@ -245,6 +253,9 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
             |rows, pack| {
                 for (lane, row) in rows.enumerate() {
                     let active = side.active(u[row], Limit::Above);
+                    let out = &mut out[O::EACH * (row * v.len() + first)..];
+                    // What blocks write behind a row must be written later, and there must be room for it.
+                    let staged = in_cache || columns.len() < v.len() || out.len() < stage.len();
                     a.clear();
                     a.extend(pack.iter().map(|f| f.0[lane]));
                     if let Some(net) = net {
@@ -262,32 +273,30 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
                             Some(_) => &all[p * count + piece.active.start..][..slots],
                             None => &sparse[p * slots..][..slots],
                         });
-                        let (first, width) =
-                            (tile * COLUMNS + piece.columns.start, piece.columns.len());
-                        let out = &mut out[O::EACH * (row * v.len() + first)..][..O::EACH * width];
-                        let short = width < R::LANES;
-                        let places = if short { &mut spare } else { &mut *out };
                         let moderate =
                             |k: &&[[f64; 4]]| k.as_flattened().iter().all(|&x| far_from_limits(x));
                         let strip = Strip {
                             r,
                             row,
-                            columns: first..first + width,
+                            columns: first + piece.columns.start..first + piece.columns.end,
                             functions: &values[start + piece.columns.start..],
                             stride,
                             active: piece.active.len(),
                             k,
                             quick: D == 4 && ORDER < 2 && piece.moderate && k.iter().all(moderate),
                         };
+                        let places = if staged { &mut stage } else { &mut *out };
+                        let places = &mut places[O::EACH * piece.columns.start..];
                         match net {
                             Some(_) => strip.dense::<D, ORDER, JET>(places, output),
                             None => {
                                 strip.sparse::<D, ORDER, JET>(&piece.sparse.used, places, output);
                             }
                         }
-                        if short {
-                            out.copy_from_slice(&spare[..out.len()]);
-                        }
+                    }
+                    if staged {
+                        let row = &stage[..O::EACH * columns.len()];
+                        out[..row.len()].copy_from_slice(row);
                     }
                 }
             },
@@ -377,6 +386,7 @@ impl<R: Registers> Strip<'_, R> {
         output: &impl Output<R, JET>,
     ) {
         match (JET, self.k[0].len()) {
+            (1, 2) => self.unrolled::<P, D, 2, JET>(place, out, output),
             (1, 3) => self.unrolled::<P, D, 3, JET>(place, out, output),
             (1, 4) => self.unrolled::<P, D, 4, JET>(place, out, output),
             (1, 5) => self.unrolled::<P, D, 5, JET>(place, out, output),
@@ -387,7 +397,8 @@ impl<R: Registers> Strip<'_, R> {
                     out,
                     output,
                     #[inline(always)]
-                    |column, p, q| {
+                    |block, p, q| {
+                        let column = block * R::LANES;
                         let functions = &self.functions[q * self.active * self.stride + column..];
                         let mut sum = [r.splat(0.0); D];
                         for (j, k) in self.k[p].iter().enumerate() {
@@ -413,22 +424,24 @@ impl<R: Registers> Strip<'_, R> {
         output: &impl Output<R, JET>,
     ) {
         let r = self.r;
+        let blocks = self.columns.len().div_ceil(R::LANES);
         let mut k = [[r.splat(0.0); D]; N];
+        let mut f: [[&[R::Array]; D]; N] = [[&[]; D]; N];
         for j in 0..N {
             for c in 0..D {
                 k[j][c] = r.splat(self.k[0][j][c]);
+                f[j][c] = &R::arrays(&self.functions[place(j, c)..])[..blocks];
             }
         }
         self.blocks::<_, D, 0, JET>(
             out,
             output,
             #[inline(always)]
-            |column, _, _| {
-                let functions = &self.functions[column..];
+            |block, _, _| {
                 let mut sum = k[0];
                 for j in 0..N {
                     for c in 0..D {
-                        let f = load(r, functions, place(j, c));
+                        let f = r.load(f[j][c][block]);
                         sum[c] = if j == 0 {
                             r.mul(f, k[j][c])
                         } else {
@@ -441,7 +454,7 @@ impl<R: Registers> Strip<'_, R> {
         );
     }
 
-    /// All blocks of neighbouring columns, one a lane; `sum` gives `Σ_j b_j⁽ᑫ⁾ K_j⁽ᵖ⁾` in `D` coordinates from a column on.
+    /// All blocks of neighbouring columns, one a lane; `sum` gives `Σ_j b_j⁽ᑫ⁾ K_j⁽ᵖ⁾` in `D` coordinates of a block.
     #[inline(always)]
     fn blocks<O: Output<R, JET>, const D: usize, const ORDER: usize, const JET: usize>(
         &self,
@@ -449,23 +462,22 @@ impl<R: Registers> Strip<'_, R> {
         output: &O,
         sum: impl Fn(usize, usize, usize) -> [R::Register; D],
     ) {
-        let width = self.columns.len();
-        // The last block is full too where it can be: some columns are then evaluated twice.
-        let most = width.saturating_sub(R::LANES);
-        let columns = (0..width).step_by(R::LANES);
+        // The last block may reach into the next piece, which comes later and is written over it.
+        let blocks = self.columns.len().div_ceil(R::LANES);
+        let places = out.chunks_exact_mut(O::EACH * R::LANES).take(blocks);
+        debug_assert_eq!(places.len(), blocks);
         if D == 4 && JET == 1 {
             // The reciprocal of the next block is under way while the quotients of one are taken.
             let mut block = self.begin::<D, ORDER, JET>(0, &sum);
-            for column in columns.skip(1) {
-                let next = self.begin::<D, ORDER, JET>(column.min(most), &sum);
-                self.end::<O, D, JET>(&block, out, output);
+            for (number, places) in places.enumerate() {
+                let next = self.begin::<D, ORDER, JET>((number + 1).min(blocks - 1), &sum);
+                self.end::<O, D, JET>(number, &block, places, output);
                 block = next;
             }
-            self.end::<O, D, JET>(&block, out, output);
         } else {
-            for column in columns {
-                let block = self.begin::<D, ORDER, JET>(column.min(most), &sum);
-                self.end::<O, D, JET>(&block, out, output);
+            for (number, places) in places.enumerate() {
+                let block = self.begin::<D, ORDER, JET>(number, &sum);
+                self.end::<O, D, JET>(number, &block, places, output);
             }
         }
     }
@@ -474,14 +486,14 @@ impl<R: Registers> Strip<'_, R> {
     #[inline(always)]
     fn begin<const D: usize, const ORDER: usize, const JET: usize>(
         &self,
-        column: usize,
+        number: usize,
         sum: &impl Fn(usize, usize, usize) -> [R::Register; D],
     ) -> Block<R, JET> {
         let zero = Lanes::splat(self.r, 0.0);
         let mut h = [[zero; 4]; JET];
         for p in 0..=ORDER {
             for q in 0..=ORDER - p {
-                let sum = sum(column, p, q);
+                let sum = sum(number, p, q);
                 for c in 0..D {
                     h[jet_index(p, q)][c] = Lanes(self.r, sum[c]);
                 }
@@ -492,14 +504,15 @@ impl<R: Registers> Strip<'_, R> {
         } else {
             zero
         };
-        Block { column, h, inverse }
+        Block { h, inverse }
     }
 
     /// What is made of them.
     #[inline(always)]
     fn end<O: Output<R, JET>, const D: usize, const JET: usize>(
         &self,
-        Block { column, h, inverse }: &Block<R, JET>,
+        number: usize,
+        Block { h, inverse }: &Block<R, JET>,
         out: &mut [f64],
         output: &O,
     ) {
@@ -517,8 +530,8 @@ impl<R: Registers> Strip<'_, R> {
         } else {
             x = quotient(h);
         }
-        let room = &mut out[O::EACH * column..][..O::EACH * R::LANES];
-        output.put(self.row, self.columns.start + column, &x, room);
+        let column = self.columns.start + number * R::LANES;
+        output.put(self.row, column, &x, out);
     }
 }
 
@@ -530,7 +543,6 @@ fn load<R: Registers>(r: R, values: &[f64], place: usize) -> R::Register {
 
 /// A register of neighbouring columns.
 struct Block<R: Registers, const JET: usize> {
-    column: usize,
     /// Their homogeneous derivatives.
     h: [[Lanes<R>; 4]; JET],
     /// Of the denominators, where quotients are computed with it.
