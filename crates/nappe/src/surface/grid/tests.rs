@@ -77,6 +77,30 @@ fn nets_of_all_degrees_give_the_bits_of_single_points() {
     }
 }
 
+/// Rows that are evaluated in parts, the last of which is shorter than a register.
+#[test]
+fn long_rows_are_single_points() {
+    for surface in [net(false), net(true), sparse(false), sparse(true)] {
+        let [du, dv] = surface.domain();
+        let n = 2 * COLUMNS + 3;
+        let v: Vec<f64> = (0..n)
+            .map(|j| dv.lo + (dv.hi - dv.lo) * j as f64 / (n - 1) as f64)
+            .collect();
+        let u = [du.lo, du.mid(), du.hi];
+        let mut points = vec![DVec3::ZERO; 3 * n];
+        jets(&surface, &u, &v, 0, &mut points);
+        let mut pairs = vec![[DVec3::ZERO; 2]; 3 * n];
+        normals(&surface, &u, &v, &mut pairs);
+        let uv = u.iter().flat_map(|&u| v.iter().map(move |&v| [u, v]));
+        for (k, uv) in uv.enumerate() {
+            let normal = normal_at(&surface, uv, [Limit::Above; 2]).vector();
+            let single = [surface.point(uv), normal.unwrap_or(DVec3::ZERO)];
+            assert_eq!([points[k], pairs[k][1]], single, "{uv:?}");
+            assert_eq!(pairs[k][0], single[0], "{uv:?}");
+        }
+    }
+}
+
 /// Nets and sparse cores, rational and not, at knots, beside them, and in pieces with fewer columns than lanes.
 #[test]
 fn all_instruction_sets_give_the_bits_of_single_points() {
