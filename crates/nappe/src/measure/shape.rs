@@ -16,11 +16,21 @@ pub(super) const POINT: f64 = 1e-12;
 /// smooth; smaller, and rounding would make smooth poles cones.
 pub(super) const PLANE: f64 = 1e-9;
 
-/// The shape operator `[[p, q], [q, s]]` in an orthonormal basis of the tangent plane.
+/// The shape operator `[[p, q], [q, s]]` in an orthonormal basis of the tangent plane, and the metric.
+///
+/// The basis begins with r_u; with ρ = r_v, or beside a pole ρ = r_v / (u - u₀).
 pub(super) struct Shape {
     pub(super) p: Taylor,
     pub(super) q: Taylor,
     pub(super) s: Taylor,
+    /// `r_u·r_u`.
+    pub(super) e: Taylor,
+    /// `r_u·ρ`.
+    pub(super) f: Taylor,
+    /// `|r_u × ρ|²`.
+    pub(super) n2: Taylor,
+    /// `|r_u × ρ|`.
+    pub(super) w: Taylor,
 }
 
 /// The shape operator over a box: enclosures of its Taylor coefficients over the box and at the centre of expansion.
@@ -31,6 +41,10 @@ pub(super) struct ShapeForm {
     pub(super) offset: [Interval; 2],
     /// True if u and v change places in the polynomials.
     pub(super) exchanged: bool,
+    /// True if they change places in the shape operator alone.
+    pub(super) swapped: bool,
+    /// True beside a pole.
+    pub(super) pole: bool,
 }
 
 impl ShapeForm {
@@ -40,15 +54,7 @@ impl ShapeForm {
     /// `r_v` moved by one place. If the tangents there lie in one plane, `r_vv·(r_u × ρ)` has the factor (u - u₀)²
     /// likewise, and all powers of u - u₀ cancel.
     pub(super) fn new(surface: &dyn Surface, uv: [Interval; 2], size: f64) -> Result<Self, usize> {
-        let domain = surface.domain();
-        let mut poles = Vec::new();
-        for d in 0..2 {
-            for (at, end) in [(uv[d].lo, domain[d].lo), (uv[d].hi, domain[d].hi)] {
-                if at == end && is_point(surface, uv, d, at, size) {
-                    poles.push((d, at));
-                }
-            }
-        }
+        let poles = poles(surface, uv, size);
         // Beside a pole the normal vanishes, but its factor u - u₀ is no obstacle.
         Self::expanded(surface, uv, &poles).ok_or_else(|| match poles.len() {
             1 => turning(surface, uv).0,
@@ -57,12 +63,14 @@ impl ShapeForm {
     }
 
     fn expanded(surface: &dyn Surface, uv: [Interval; 2], poles: &[(usize, f64)]) -> Option<Self> {
+        let mut swapped = false;
         let (patch, [wide, at]) = match *poles {
             [] => {
                 let patch = Patch::new(surface, uv, DEGREE + 2);
                 // The basis begins with the longer tangent.
                 let swap = patch.at[2].norm().mid() > patch.at[1].norm().mid();
                 let forms = [&patch.wide, &patch.at].map(|jet| beside(jet, swap));
+                swapped = swap;
                 (patch, forms)
             }
             [(d, at)] => {
@@ -92,6 +100,7 @@ impl ShapeForm {
             p: tight(wide.p, &at.p),
             q: tight(wide.q, &at.q),
             s: tight(wide.s, &at.s),
+            ..wide
         };
         let exchanged = poles.iter().any(|p| p.0 == 1);
         let form = Self {
@@ -99,10 +108,26 @@ impl ShapeForm {
             at,
             offset,
             exchanged,
+            swapped,
+            pole: !poles.is_empty(),
         };
-        let Shape { p, q, s } = &form.wide;
+        let Shape { p, q, s, .. } = &form.wide;
         [p, q, s].iter().all(|t| t.is_finite()).then_some(form)
     }
+}
+
+/// The sides of a box that are one point: the parameter across, and its value.
+pub(super) fn poles(surface: &dyn Surface, uv: [Interval; 2], size: f64) -> Vec<(usize, f64)> {
+    let domain = surface.domain();
+    let mut poles = Vec::new();
+    for d in 0..2 {
+        for (at, end) in [(uv[d].lo, domain[d].lo), (uv[d].hi, domain[d].hi)] {
+            if at == end && is_point(surface, uv, d, at, size) {
+                poles.push((d, at));
+            }
+        }
+    }
+    poles
 }
 
 /// The places along a side where it is seen whether the side is a point: a tangent that is analytic along it does not
@@ -136,7 +161,16 @@ fn shape([l, m, k, e, f, n2]: &Forms) -> Shape {
     let q = m.sub(&fp).div(&w);
     let two = Interval::point(2.0);
     let s = e.mul(&k).add(&f.mul(&fp.sub(&m.scale(two)))).div(n2);
-    Shape { p, q, s }
+    let [e, f, n2] = [e, f, n2].map(Taylor::clone);
+    Shape {
+        p,
+        q,
+        s,
+        e,
+        f,
+        n2,
+        w,
+    }
 }
 
 /// Where `r_u × r_v` does not vanish, from a jet of order [`DEGREE`] + 2. With `swap`, u and v change places.
@@ -193,7 +227,7 @@ fn length(v: &[Taylor; 3]) -> f64 {
 }
 
 /// The jet with u and v exchanged.
-fn exchanged(jet: &[Box3]) -> Vec<Box3> {
+pub(super) fn exchanged(jet: &[Box3]) -> Vec<Box3> {
     let mut out = jet.to_vec();
     let mut n = 0;
     while jet_len(n) <= jet.len() {

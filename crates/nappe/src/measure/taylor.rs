@@ -21,6 +21,14 @@ impl Taylor {
         }
     }
 
+    /// The first variable, measured from the centre, over its range.
+    pub(super) fn variable(range: Interval, degree: usize) -> Self {
+        let mut t = Self::zero(degree);
+        t.c[0] = range;
+        t.c[jet_index(1, 0)] = Interval::ONE;
+        t
+    }
+
     /// One coordinate of `∂ᵃ_u ∂ᵇ_v r`, from a jet of order `degree + a + b` at least.
     pub(super) fn coordinate(jet: &[Box3], axis: usize, [a, b]: [usize; 2], degree: usize) -> Self {
         let mut t = Self::zero(degree);
