@@ -145,18 +145,6 @@ fn the_centroid_of_parts_is_that_of_the_whole() {
     assert_eq!(joint_centroid(&[]).centroid, None);
 }
 
-#[test]
-fn an_area_without_bound_is_not_called_proven() {
-    // The square root has no derivative at its start.
-    let s = revolved("1+sqrt(t)", "t", TAU);
-    let m = area_centroid(s.as_ref(), &MILLIONTH);
-    assert!(matches!(m.area.certainty, Certainty::Estimated(_)), "{m:?}");
-    assert!(matches!(
-        m.centroid.unwrap().certainty,
-        Certainty::Estimated(_)
-    ));
-}
-
 fn solid(surfaces: &[SurfaceRef]) -> Solid {
     let mut found = solids(surfaces, None, &MILLIONTH);
     assert_eq!(found.len(), 1);

@@ -2,17 +2,22 @@
 
 use super::apex::apexes;
 use super::integral::{
-    Form, Goal, IntegralOptions, Measured, estimate, integrate, is_close, measured,
+    Expansion, Form, Goal, IntegralOptions, Measured, estimate, integrate, is_close, measured,
+    turning,
 };
-use super::shape::{Shape, ShapeForm};
+use super::model::{Model, cross, dot, square, weight};
+use super::shape::{Shape, ShapeForm, poles};
 use super::size;
-use super::taylor::Taylor;
+use super::taylor::{Patch, Taylor};
+use super::twin::Twin;
 use crate::interval::Interval;
 use crate::mesh::Certainty;
 use crate::surface::{Dir, Surface, SurfaceJet};
 
-/// The degree that is left of the shape operator's polynomials: one derivative, and one division beside a pole, less.
-const DEGREE: usize = super::shape::DEGREE - 2;
+/// The degree of the models where there is no pole.
+const MODEL: usize = 6;
+/// Beside a pole, the degree of the shape operator's polynomials. One derivative, and one division beside a pole, take two away.
+const DEGREE: usize = 8;
 /// Relative to the curvature of a sphere as large as the surface: what is small enough whatever the rest is.
 const SMALL: f64 = 1e-6;
 
@@ -27,7 +32,7 @@ const SMALL: f64 = 1e-6;
 ///
 /// Over the analytic pieces; jumps of the curvature in between are not counted. Infinite where curvature is proven to grow
 /// without bound towards a side that is one point, as at the tip of a cone. Proven unless the surface cannot enclose its
-/// derivatives or has no tangent plane somewhere. Cost: at most `options.budget` enclosures of order 8 to 10.
+/// derivatives or has no tangent plane somewhere. Cost: at most `options.budget` enclosures of order 10 (beside a pole 12).
 pub fn curvature_variation(surface: &dyn Surface, options: &IntegralOptions) -> Measured {
     let size = size(surface);
     if !apexes(surface, size).is_empty() {
@@ -37,25 +42,28 @@ pub fn curvature_variation(surface: &dyn Surface, options: &IntegralOptions) -> 
         };
     }
     let integrand = |surface: &dyn Surface, uv: [Interval; 2]| {
-        let form = ShapeForm::new(surface, uv, size)?;
-        let direction = [Dir::U, Dir::V][usize::from(form.swapped)];
-        let below = form.pole && form.offset[0].lo < 0.0;
-        let [wide, at] = [(&form.wide, false), (&form.at, true)].map(|(shape, narrow)| {
-            let x = form.pole.then(|| {
-                let range = if narrow {
-                    Interval::ZERO
-                } else {
-                    form.offset[0]
-                };
-                (Taylor::variable(range, super::shape::DEGREE), below)
+        if poles(surface, uv, size).is_empty() {
+            let patch = Patch::new(surface, uv, MODEL + 4);
+            let (variation, weight) = model(&patch);
+            return Ok(Form {
+                integrands: vec![Expansion::Model(variation)],
+                offset: patch.offset,
+                exchanged: false,
+                absolute: false,
+                weight: Some(weight),
             });
-            variation(shape, direction, x)
-        });
+        }
+        let form = ShapeForm::new(surface, uv, size, DEGREE)?;
+        let variation = variation(&form);
+        if !variation.is_finite() {
+            return Err(turning(surface, uv).0);
+        }
         Ok(Form {
-            integrands: vec![[wide, at]],
+            integrands: vec![Expansion::Enclosed(variation.into_pair())],
             offset: form.offset,
             exchanged: form.exchanged,
             absolute: false,
+            weight: None,
         })
     };
     let goal = Goal {
@@ -71,7 +79,7 @@ pub fn curvature_variation(surface: &dyn Surface, options: &IntegralOptions) -> 
         estimate(surface, 3, &|d| {
             let jet = SurfaceJet { d: d.into() };
             let area = d[1].cross(d[2]).length();
-            [curvature_derivative(&jet).map_or(0.0, |t| square(t) * area)]
+            [curvature_derivative(&jet).map_or(0.0, |t| length2(t) * area)]
         })[0]
     };
     if !found.is_finite() {
@@ -82,81 +90,92 @@ pub fn curvature_variation(surface: &dyn Surface, options: &IntegralOptions) -> 
     measured(found, if close { f64::NAN } else { sampled().value })
 }
 
-/// `|∇II|² dA`.
+/// `|∇II|² dA` beside a pole.
 ///
 /// In the orthonormal basis e₁ = r_u / |r_u|, e₂ of the shape operator `[[p, q], [q, s]]`, which turns by ω:
 /// `∇II(e₁, e₁, x) = x p - 2 ω(x) q`, `∇II(e₁, e₂, x) = x q - ω(x) (s - p)` and `∇II(e₂, e₂, x) = x s + 2 ω(x) q`. All but
 /// `∇II(e₂, e₂, e₂)` are needed along e₁ alone, where a pole does no harm.
-fn variation(shape: &Shape, first: Dir, pole: Option<(Taylor, bool)>) -> Taylor {
-    let second = match first {
-        Dir::U => Dir::V,
-        Dir::V => Dir::U,
+fn variation(form: &ShapeForm) -> Twin {
+    let twin = |of: fn(&Shape) -> &Taylor| {
+        Twin::new([&form.wide, &form.at].map(|s| of(s).clone()), form.offset)
     };
-    let two = Interval::point(2.0);
-    let half = Interval::point(0.5);
-    let cut = |t: &Taylor, degree: usize| t.truncated(degree);
-    let full = super::shape::DEGREE;
-    let Shape {
-        p,
-        q,
-        s,
-        e,
-        f,
-        n2,
-        w,
-    } = shape;
-    // r_uu·ρ and r_uv·ρ, from derivatives of the metric.
-    let g = n2.add(&f.sqr()).div(e);
-    let [e_1, e_2] = [first, second].map(|d| e.derivative(d).scale(half));
-    let (f_1, g_1) = (f.derivative(first), g.derivative(first).scale(half));
-    let low = |t: &Taylor| cut(t, full - 1);
-    let (a1, a2) = match &pole {
-        None => (f_1.sub(&e_2), g_1),
-        Some((x, _)) => {
-            let mixed = e_2.sub(&low(f)).divided();
-            (
-                cut(&f_1, DEGREE).sub(&mixed),
-                low(&g).add(&low(x).mul(&g_1)),
-            )
-        }
-    };
+    let (p, q, s) = (twin(|s| &s.p), twin(|s| &s.q), twin(|s| &s.s));
+    let (e, f) = (twin(|s| &s.e), twin(|s| &s.f));
+    let (n2, w) = (twin(|s| &s.n2), twin(|s| &s.w));
+    let x = Twin::variable(form.offset, DEGREE);
+    let [e_u, e_v] = [Dir::U, Dir::V].map(|d| e.derivative(d).scale(0.5));
+    // r_uu·ρ and r_uv·ρ, from derivatives of the metric: r_u·r_uv = f + (u - u₀) r_u·ρ_u.
+    let g = n2.add(&f.sqr()).div(&e);
+    let a_u = f.derivative(Dir::U).sub(&e_v.sub(&f).divided());
+    let a_v = g.add(&x.mul(&g.derivative(Dir::U).scale(0.5)));
     // How the basis turns along u and along v.
-    let lean = f.div(e);
-    let turn = |a: &Taylor, e: &Taylor| {
-        let n = a.degree;
-        a.sub(&cut(&lean, n).mul(&cut(e, n))).div(&cut(w, n))
-    };
-    let (turn1, turn2) = (turn(&cut(&a1, DEGREE), &e_1), turn(&a2, &e_2));
-    let at = |t: &Taylor| cut(t, DEGREE);
-    let along = |t: &Taylor| cut(&t.derivative(first), DEGREE);
-    let twist = turn1.mul(&at(q)).scale(two);
-    let t0 = along(p).sub(&twist);
-    let t1 = along(q).sub(&turn1.mul(&at(s).sub(&at(p))));
-    let t2 = along(s).add(&twist);
-    let across = s.derivative(second).add(&turn2.mul(&low(q)).scale(two));
-    let across = match &pole {
-        None => cut(&across, DEGREE),
-        Some(_) => across.divided(),
-    };
-    let t3 = across.sub(&at(&lean).mul(&t2));
-    let three = Interval::point(3.0);
-    let sum = t0.sqr().add(&t1.sqr().add(&t2.sqr()).scale(three));
+    let lean = f.div(&e);
+    let turn = |a: &Twin, e: &Twin| a.sub(&lean.mul(e)).div(&w);
+    let (turn_u, turn_v) = (turn(&a_u, &e_u), turn(&a_v, &e_v));
+    let twist = turn_u.mul(&q).scale(2.0);
+    let t0 = p.derivative(Dir::U).sub(&twist);
+    let t1 = q.derivative(Dir::U).sub(&turn_u.mul(&s.sub(&p)));
+    let t2 = s.derivative(Dir::U).add(&twist);
+    let across = s.derivative(Dir::V).add(&turn_v.mul(&q).scale(2.0));
+    let t3 = across.divided().sub(&lean.mul(&t2));
+    let sum = t0.sqr().add(&t1.sqr().add(&t2.sqr()).scale(3.0));
     // |∇II|² |r_u × ρ|
-    let density = sum
-        .mul(&at(w))
-        .div(&at(e))
-        .add(&t3.sqr().mul(&at(e)).div(&at(w)));
-    match &pole {
-        None => density,
-        Some((x, below)) => {
-            let signed = density.mul(&at(x));
-            if *below {
-                signed.scale(-Interval::ONE)
-            } else {
-                signed
-            }
-        }
-    }
+    let density = sum.mul(&w).div(&e).add(&t3.sqr().mul(&e).div(&w));
+    let below = form.offset[0].lo < 0.0;
+    density.mul(&x).scale(if below { -1.0 } else { 1.0 })
+}
+
+/// `|∇II|² dA` where `r_u × r_v` does not vanish, from a patch of order [`MODEL`] + 4.
+///
+/// As [`curvature_derivative`], all of it multiplied with `w = |r_u × r_v|`: with v' = r_v - (f / e) r_u square to r_u, of
+/// length w / √e.
+fn model(patch: &Patch) -> (Model, [f64; 2]) {
+    let vector = |i: usize, j: usize| {
+        [0, 1, 2].map(|axis| {
+            let jets = [&patch.wide, &patch.at];
+            let [wide, at] = jets.map(|jet| Taylor::coordinate(jet, axis, [i, j], MODEL + 1));
+            Model::new(&wide, &at, patch.offset, MODEL)
+        })
+    };
+    let (u, v) = (vector(1, 0), vector(0, 1));
+    let n = cross(&u, &v);
+    let (e, f, g) = (square(&u), dot(&u, &v), square(&v));
+    let n2 = square(&n);
+    // n·r_uu, n·r_uv, n·r_vv, and the tangent parts α r_u + β r_v of these derivatives.
+    let second = [vector(2, 0), vector(1, 1), vector(0, 2)];
+    let form = second.each_ref().map(|r| dot(&n, r));
+    let tangent = second.each_ref().map(|r| {
+        let (a, b) = (dot(r, &u), dot(r, &v));
+        let alpha = g.mul(&a).sub(&f.mul(&b)).div(&n2);
+        let beta = e.mul(&b).sub(&f.mul(&a)).div(&n2);
+        [alpha, beta]
+    });
+    // The form of a tangent part and a tangent vector, by their numbers of derivatives along v.
+    let bent = |k: usize, l: usize| {
+        let [alpha, beta] = &tangent[k];
+        alpha.mul(&form[l]).add(&beta.mul(&form[l + 1]))
+    };
+    let third = |k: usize| dot(&n, &vector(3 - k, k));
+    let uuu = third(0).sub(&bent(0, 0).scale(3.0));
+    let uuv = third(1).sub(&bent(0, 1)).sub(&bent(1, 0).scale(2.0));
+    let uvv = third(2).sub(&bent(2, 0)).sub(&bent(1, 1).scale(2.0));
+    let vvv = third(3).sub(&bent(2, 1).scale(3.0));
+    // v replaced by v', one place after the other.
+    let lean = f.div(&e);
+    let less = |a: &Model, b: &Model| a.sub(&lean.mul(b));
+    let (uu, uv, vv) = (less(&uuv, &uuu), less(&uvv, &uuv), less(&vvv, &uvv));
+    let (u2, v2) = (less(&uv, &uu), less(&vv, &uv));
+    let last = less(&v2, &u2);
+    // |∇II|² = (t0²/e³ + 3 t1²/(e n2) + 3 t2² e/n2² + t3² e³/n2³) / n2
+    let ratio = e.div(&n2);
+    let squares = [&uuu, &uu, &u2, &last].map(Model::sqr);
+    let e2 = e.sqr();
+    let sum = squares[0]
+        .div(&e2.mul(&e))
+        .add(&squares[1].scale(3.0).div(&e.mul(&n2)))
+        .add(&squares[2].scale(3.0).mul(&ratio).div(&n2))
+        .add(&squares[3].mul(&ratio).mul(&ratio.sqr()));
+    (sum.div(&n2.sqrt()), weight(&n))
 }
 
 /// The components `∇II(e₁, e₁, e₁)`, `∇II(e₁, e₁, e₂)`, `∇II(e₁, e₂, e₂)` and `∇II(e₂, e₂, e₂)` of the derivative of the
@@ -198,6 +217,6 @@ pub fn curvature_derivative(jet: &SurfaceJet) -> Option<[f64; 4]> {
 }
 
 /// The square of the length of a symmetric form of three arguments.
-fn square([a, b, c, d]: [f64; 4]) -> f64 {
+fn length2([a, b, c, d]: [f64; 4]) -> f64 {
     a * a + 3.0 * (b * b + c * c) + d * d
 }

@@ -8,11 +8,14 @@
 //! Source: do Carmo, *Differential geometry of curves and surfaces*, §3.3.
 
 use super::integral::{
-    Form, Goal, IntegralOptions, Measured, estimate, halved, integrate, is_close, measured, turning,
+    Expansion, Form, Goal, IntegralOptions, Measured, estimate, halved, integrate, is_close,
+    measured,
 };
+use super::model::{Model, cross, dot, square, weight};
 use super::shape::{exchanged, poles};
 use super::size;
 use super::taylor::{Patch, Taylor};
+
 use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::mesh::Certainty;
@@ -42,7 +45,7 @@ pub struct TotalCurvature {
 }
 
 /// The degree of the Taylor polynomials.
-const DEGREE: usize = 5;
+const DEGREE: usize = 7;
 /// In steradians: an area of the Gauss image that is small enough whatever the rest is.
 const SMALL: f64 = 1e-9;
 
@@ -50,7 +53,7 @@ const SMALL: f64 = 1e-9;
 /// tip of a cone is not counted: there the surface is not smooth.
 ///
 /// Proven unless the surface cannot enclose its derivatives or has no tangent plane somewhere (but at sides that are one
-/// point it may have none). Cost: at most `options.budget` enclosures of order 8.
+/// point it may have none). Cost: at most `options.budget` enclosures of order 10 or 11.
 pub fn total_curvature(surface: &dyn Surface, options: &IntegralOptions) -> TotalCurvature {
     if let Some(Elementary::Plane { .. } | Elementary::Cylinder { .. }) = surface.elementary() {
         return TotalCurvature {
@@ -107,11 +110,11 @@ fn swept(surface: &dyn Surface, uv: [Interval; 2], size: f64) -> Result<Form, us
     let poles = poles(surface, uv, size);
     let centre = uv.map(Interval::mid);
     let (mut patch, across) = match *poles.as_slice() {
-        [] => (Patch::new(surface, uv, DEGREE + 2), None),
+        [] => (Patch::new(surface, uv, DEGREE + 3), None),
         [(d, at)] => {
             let mut centre = centre;
             centre[d] = at;
-            (Patch::about(surface, uv, centre, DEGREE + 3), Some(d))
+            (Patch::about(surface, uv, centre, DEGREE + 4), Some(d))
         }
         _ => return Err(halved(surface, uv)),
     };
@@ -120,47 +123,45 @@ fn swept(surface: &dyn Surface, uv: [Interval; 2], size: f64) -> Result<Form, us
         patch.wide = exchanged(&patch.wide);
         patch.at = exchanged(&patch.at);
     }
-    let both = [&patch.wide, &patch.at].map(|jet| normal(jet, across.is_some()));
-    let [wide, at] = &both;
-    let tight: Vec<Taylor> = wide
-        .iter()
-        .zip(at)
-        .map(|(w, a)| w.clone().tightened(a, patch.offset))
-        .collect();
-    let [Some(wide), Some(at)] = [tight.as_slice(), at.as_slice()].map(|f| match f {
-        [volume, square] => Some(volume.div(&square.mul(&square.sqrt()))),
-        _ => None,
-    }) else {
-        return Err(halved(surface, uv));
-    };
-    if !wide.is_finite() {
-        return Err(match across {
-            Some(_) => turning(surface, uv).0,
-            None => halved(surface, uv),
-        });
-    }
+    let ([volume, square], weight) = normal(&patch, across.is_some());
+    let swept = volume.div(&square.mul(&square.sqrt()));
     Ok(Form {
-        integrands: vec![[wide, at]],
+        integrands: vec![Expansion::Model(swept)],
         offset: patch.offset,
         exchanged: across == Some(1),
         absolute: true,
+        weight: Some(weight),
     })
 }
 
-/// `N·(N_u × N_v)` and `N·N`, from a jet of order [`DEGREE`] + 2; beside a pole of one order more.
-fn normal(jet: &[Box3], pole: bool) -> Vec<Taylor> {
-    let each = |a: &[Taylor; 3], f: &dyn Fn(&Taylor) -> Taylor| [0, 1, 2].map(|k| f(&a[k]));
-    let u = Taylor::vector(jet, [1, 0], DEGREE + 1);
-    let v = if pole {
-        each(&Taylor::vector(jet, [0, 1], DEGREE + 2), &|t| t.divided())
-    } else {
-        Taylor::vector(jet, [0, 1], DEGREE + 1)
+/// `N·(N_u × N_v)` and `N·N`, and how much N varies along u and along v, from a patch of order [`DEGREE`] + 3; beside a pole of one order more.
+fn normal(patch: &Patch, pole: bool) -> ([Model; 2], [f64; 2]) {
+    let model = |f: &dyn Fn(&[Box3], usize) -> Taylor| {
+        [0, 1, 2].map(|axis| {
+            let [wide, at] = [&patch.wide, &patch.at].map(|jet| f(jet, axis));
+            Model::new(&wide, &at, patch.offset, DEGREE)
+        })
     };
-    let n = Taylor::cross(&u, &v);
-    let [nu, nv] = [Dir::U, Dir::V].map(|dir| each(&n, &|t| t.derivative(dir)));
-    let n = each(&n, &|t| t.truncated(DEGREE));
-    vec![
-        Taylor::dot(&n, &Taylor::cross(&nu, &nv)),
-        Taylor::square(&n),
-    ]
+    let of_u = |d: [usize; 2]| {
+        model(&move |jet, axis| Taylor::coordinate(jet, axis, [1 + d[0], d[1]], DEGREE + 1))
+    };
+    let of_v = |dir: Option<Dir>| {
+        model(&move |jet, axis| {
+            let degree = DEGREE + 1 + usize::from(pole) + usize::from(dir.is_some());
+            let t = Taylor::coordinate(jet, axis, [0, 1], degree);
+            let t = if pole { t.divided() } else { t };
+            dir.map_or(t.clone(), |dir| t.derivative(dir))
+        })
+    };
+    let (u, u_u, u_v) = (of_u([0, 0]), of_u([1, 0]), of_u([0, 1]));
+    let (v, v_u, v_v) = (of_v(None), of_v(Some(Dir::U)), of_v(Some(Dir::V)));
+    let n = cross(&u, &v);
+    let product = |a: &[Model; 3], v: &[Model; 3], u: &[Model; 3], b: &[Model; 3]| {
+        let (first, second) = (cross(a, v), cross(u, b));
+        [0, 1, 2].map(|k| first[k].add(&second[k]))
+    };
+    let n_u = product(&u_u, &v, &u, &v_u);
+    let n_v = product(&u_v, &v, &u, &v_v);
+    let swept = dot(&n, &cross(&n_u, &n_v));
+    ([swept, square(&n)], weight(&n))
 }

@@ -4,6 +4,7 @@
 //! coefficients enclosed over the whole box; both are integrated exactly, several integrands at once. The error of a box of size h is of order
 //! `h^(d+3)`. The worst boxes are halved until the sum of errors is small enough.
 
+use super::model::Model;
 use super::taylor::{Patch, Taylor};
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
@@ -73,16 +74,49 @@ const TURN: f64 = 1.0;
 /// The order of jets that a degree-d Taylor polynomial of a function of tangents needs.
 const ORDER: usize = DEGREE + 1;
 
-/// Integrands over a box as Taylor polynomials.
+/// An integrand over a box.
+pub(super) enum Expansion {
+    /// A Taylor polynomial: enclosures of the coefficients over the box and at the centre of expansion.
+    Enclosed([Taylor; 2]),
+    /// A polynomial and what it differs by.
+    Model(Model),
+}
+
+impl Expansion {
+    fn degree(&self) -> usize {
+        match self {
+            Expansion::Enclosed([wide, _]) => wide.degree,
+            Expansion::Model(m) => m.p.degree,
+        }
+    }
+
+    fn range(&self, offset: [Interval; 2]) -> Interval {
+        match self {
+            Expansion::Enclosed([wide, at]) => wide.range(at, offset),
+            Expansion::Model(m) => m.range(),
+        }
+    }
+
+    /// What is known where it is not expanded.
+    fn plain(&self) -> Option<Interval> {
+        match self {
+            Expansion::Enclosed([wide, _]) => (!wide.is_finite()).then_some(wide.c[0]),
+            Expansion::Model(m) => (!m.is_finite()).then_some(Interval::ENTIRE),
+        }
+    }
+}
+
+/// Integrands over a box.
 pub(super) struct Form {
-    /// For each integrand enclosures of the coefficients over the box and at the centre of expansion.
-    pub(super) integrands: Vec<[Taylor; 2]>,
+    pub(super) integrands: Vec<Expansion>,
     /// The parameters, measured from the centre of expansion.
     pub(super) offset: [Interval; 2],
     /// True if u and v change places in the polynomials.
     pub(super) exchanged: bool,
     /// True if absolute values are integrated.
     pub(super) absolute: bool,
+    /// How much u and v add to what keeps the integrands from being narrow; `None`: as their own terms tell.
+    pub(super) weight: Option<[f64; 2]>,
 }
 
 /// The integrands over a box in one analytic piece; where nothing can be expanded, the direction in which to halve it.
@@ -95,10 +129,14 @@ pub(super) fn of_patch(
     move |surface, uv| {
         let patch = Patch::new(surface, uv, ORDER);
         Ok(Form {
-            integrands: f(&patch, DEGREE),
+            integrands: f(&patch, DEGREE)
+                .into_iter()
+                .map(Expansion::Enclosed)
+                .collect(),
             offset: patch.offset,
             exchanged: false,
             absolute: false,
+            weight: None,
         })
     }
 }
@@ -169,34 +207,33 @@ fn over_box(
         let [u, v] = uv.map(|t| Interval::point(t.hi) - Interval::point(t.lo));
         u * v
     };
-    let degree = form.integrands[0][0].degree;
+    let degree = form.integrands[0].degree();
     let powers = form.offset.map(|x| moments(x, degree));
     let mut weight = [0.0; 2];
     let mut lost = false;
-    let parts = form
-        .integrands
-        .iter()
-        .zip(units)
-        .map(|([wide, narrow], unit)| {
-            if !wide.is_finite() {
-                lost = true;
-                return Part::new(wide.c[0] * size, 0.0);
-            }
-            let (part, share) = one(wide, narrow, &powers, size);
-            for d in 0..2 {
-                weight[d] += share[d] / unit;
-            }
-            if form.absolute {
-                absolute(part, wide.range(narrow, form.offset), size)
-            } else {
-                part
-            }
-        });
+    let parts = form.integrands.iter().zip(units).map(|(f, unit)| {
+        if let Some(plain) = f.plain() {
+            lost = true;
+            return Part::new(plain * size, 0.0);
+        }
+        let (part, share) = match f {
+            Expansion::Enclosed([wide, narrow]) => one(wide, narrow, &powers, size),
+            Expansion::Model(m) => (modelled(m, &powers, size), [0.0; 2]),
+        };
+        for d in 0..2 {
+            weight[d] += share[d] / unit;
+        }
+        if form.absolute {
+            absolute(part, f.range(form.offset), size)
+        } else {
+            part
+        }
+    });
     let parts = parts.collect();
-    let next = if lost {
-        halved(surface, uv)
-    } else {
-        usize::from((weight[1] > weight[0]) != form.exchanged)
+    let next = match form.weight {
+        Some([u, v]) if (u + v).is_finite() => usize::from((v > u) != form.exchanged),
+        None if !lost => usize::from((weight[1] > weight[0]) != form.exchanged),
+        _ => halved(surface, uv),
     };
     (parts, next)
 }
@@ -232,11 +269,7 @@ fn one(
             weight[1] += error * j as f64;
         }
         let sum = lower + highest;
-        if n >= 2
-            && n.is_multiple_of(2)
-            && sum.is_finite()
-            && best.is_none_or(|b| sum.width() < b.0.width())
-        {
+        if n >= 2 && sum.is_finite() && best.is_none_or(|b| sum.width() < b.0.width()) {
             best = Some((sum, lower.width(), weight));
         }
         lower = lower + same;
@@ -245,6 +278,18 @@ fn one(
         Some((sum, rounding, weight)) => (Part::new(sum.meet(plain), rounding), weight),
         None => (Part::new(plain, 0.0), [0.0; 2]),
     }
+}
+
+/// The integral of a model.
+fn modelled(m: &Model, [x, y]: &[Vec<[Interval; 2]>; 2], size: Interval) -> Part {
+    let mut sum = Interval::ZERO;
+    for n in 0..=m.p.degree {
+        for j in 0..=n {
+            let i = n - j;
+            sum = sum + m.p.c[jet_index(i, j)] * x[i][0] * y[j][0];
+        }
+    }
+    Part::new(sum + m.rest * size, sum.width())
 }
 
 /// The integral of the absolute value, from the integral and the range of the integrand.

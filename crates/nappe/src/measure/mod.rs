@@ -19,6 +19,7 @@ mod gauss;
 mod inertia;
 mod integral;
 mod jump;
+mod model;
 mod overlap;
 mod pinch;
 mod regularity;
@@ -28,6 +29,7 @@ mod solid;
 mod strip;
 mod taylor;
 mod tear;
+mod twin;
 mod volume;
 
 pub use apex::{UnboundedCurvature, unbounded_curvature};

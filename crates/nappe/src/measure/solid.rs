@@ -30,7 +30,7 @@ pub struct Solid {
 /// The shells that surfaces make together (see [`shells`](super::shells)), each with centroid and inertia.
 ///
 /// The moments are proven as the volume is, for every way to close gaps that adds no more than ruled strips and cones of
-/// area S: these count with `S Rᵏ⁺¹ / (3 + k)` in a moment of degree k. `options.relative` is relative to the volume, and to
+/// area S: these count with `S R / (3 + k)` times half the extents in a moment of degree k. `options.relative` is relative to the volume, and to
 /// the volume times half the extents of the shell for each degree. Cost: about twice that of the volume alone.
 pub fn solids(
     surfaces: &[SurfaceRef],
@@ -60,6 +60,8 @@ pub(super) struct Moments {
     /// In the order of [`DEGREES`]; perhaps the volume alone.
     all: Vec<Interval>,
     proven: bool,
+    /// Half the extents of the surfaces.
+    half: [f64; 3],
 }
 
 /// The moments up to a degree (0 or 2) about the middle of the hull; `true` for surfaces whose normals count the other way.
@@ -104,6 +106,7 @@ pub(super) fn moments(
         centre,
         all: vec![Interval::ZERO; count],
         proven: true,
+        half: hull.to_array().map(|i| 0.5 * i.width()),
     };
     for (&(surface, turned), mut part) in surfaces.iter().zip(parts) {
         if part.iter().any(|p| !p.is_finite()) {
@@ -160,11 +163,17 @@ impl Moments {
         self.all.iter_mut().for_each(|m| *m = -*m);
     }
 
-    /// What surfaces of this area, nowhere farther than `reach` from the centre, may add.
-    pub(super) fn open(&mut self, area: f64, reach: f64, proven: bool) {
-        let (area, reach) = (Interval::point(area), Interval::point(reach));
-        for (m, k) in self.all.iter_mut().zip(DEGREES) {
-            let most = area * reach.powi(k as i32 + 1) / Interval::point((3 + k) as f64);
+    /// What surfaces of this area may add that are nowhere farther than `weld` from the others, nor than `reach` from the
+    /// centre.
+    pub(super) fn open(&mut self, area: f64, weld: f64, reach: f64, proven: bool) {
+        let whole = Interval::point(area) * Interval::point(reach);
+        let along = self
+            .half
+            .map(|h| Interval::point(h) + Interval::point(weld));
+        let pairs = PAIRS.map(|[i, j]| along[i] * along[j]);
+        let greatest = [&[Interval::ONE], &along[..], &pairs[..]].concat();
+        for ((m, k), f) in self.all.iter_mut().zip(DEGREES).zip(greatest) {
+            let most = whole * f / Interval::point((3 + k) as f64);
             *m = m.inflate(most.hi);
         }
         self.proven &= proven;

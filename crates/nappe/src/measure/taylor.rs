@@ -153,6 +153,18 @@ impl Taylor {
         t
     }
 
+    /// The terms of one degree: coefficients, and the ranges of their monomials.
+    pub(super) fn terms(
+        &self,
+        n: usize,
+        [x, y]: [Interval; 2],
+    ) -> impl Iterator<Item = (Interval, Interval)> {
+        (0..=n).map(move |j| {
+            let monomial = x.powi((n - j) as i32) * y.powi(j as i32);
+            (self.c[jet_index(n - j, j)], monomial)
+        })
+    }
+
     /// Calls `f(i, j, coefficients)` by increasing degree.
     fn each(&mut self, mut f: impl FnMut(usize, usize, &mut [Interval])) {
         for n in 0..=self.degree {

@@ -191,7 +191,7 @@ fn shell(
     let reach = 0.5 * hull.diagonal() * ROUND_UP + weld;
     let enough = options.relative * moments.volume().mid().abs() * STRIP_SHARE / reach;
     let holes = holes(surfaces, &joints, &points, weld, enough);
-    moments.open(holes.area, reach, holes.proven);
+    moments.open(holes.area, weld, reach, holes.proven);
     let shell = Shell {
         surfaces: body,
         volume: moments.measured(),
