@@ -35,6 +35,19 @@ pub enum ApproximationError {
         /// The parameter, or u and v.
         at: Vec<f64>,
     },
+    /// The degree cannot be lowered to that.
+    #[error("the degree is {own}: it can be lowered to 1 … {own}, not to {degree}")]
+    Degree {
+        /// The degree it has.
+        own: usize,
+        /// The degree asked for.
+        degree: usize,
+    },
+    /// The weights vary too much for the lower degree.
+    #[error(
+        "in this degree the weights would not be positive: insert knots first, or keep the degree"
+    )]
+    Weights,
     /// The result is not a valid spline: the parameters are too near each other.
     #[error(transparent)]
     Nurbs(#[from] NurbsError),

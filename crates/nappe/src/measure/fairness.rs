@@ -175,7 +175,7 @@ fn model(patch: &Patch) -> (Model, [f64; 2]) {
         .add(&squares[1].scale(3.0).div(&e.mul(&n2)))
         .add(&squares[2].scale(3.0).mul(&ratio).div(&n2))
         .add(&squares[3].mul(&ratio).mul(&ratio.sqr()));
-    (sum.div(&n2.sqrt()), weight(&n))
+    (sum.div(&n2.sqrt()), weight([&u, &v, &n]))
 }
 
 /// The components `∇II(e₁, e₁, e₁)`, `∇II(e₁, e₁, e₂)`, `∇II(e₁, e₂, e₂)` and `∇II(e₂, e₂, e₂)` of the derivative of the

@@ -134,7 +134,7 @@ fn swept(surface: &dyn Surface, uv: [Interval; 2], size: f64) -> Result<Form, us
     })
 }
 
-/// `N·(N_u × N_v)` and `N·N`, and how much N varies along u and along v, from a patch of order [`DEGREE`] + 3; beside a pole of one order more.
+/// `N·(N_u × N_v)` and `N·N`, and how much u and v matter, from a patch of order [`DEGREE`] + 3; beside a pole of one order more.
 fn normal(patch: &Patch, pole: bool) -> ([Model; 2], [f64; 2]) {
     let model = |f: &dyn Fn(&[Box3], usize) -> Taylor| {
         [0, 1, 2].map(|axis| {
@@ -163,5 +163,5 @@ fn normal(patch: &Patch, pole: bool) -> ([Model; 2], [f64; 2]) {
     let n_u = product(&u_u, &v, &u, &v_u);
     let n_v = product(&u_v, &v, &u, &v_v);
     let swept = dot(&n, &cross(&n_u, &n_v));
-    ([swept, square(&n)], weight(&n))
+    ([swept, square(&n)], weight([&u, &v, &n]))
 }

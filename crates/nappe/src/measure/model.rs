@@ -137,8 +137,15 @@ pub(super) fn square(a: &[Model; 3]) -> Model {
     x.add(&y).add(&z)
 }
 
-/// How much a vector varies along u and along v.
-pub(super) fn weight(a: &[Model; 3]) -> [f64; 2] {
-    let each = a.each_ref().map(Model::weight);
-    [0, 1].map(|d| each.iter().map(|w| w[d]).sum())
+/// How much some vectors vary along u and along v, each relative to its length in the middle.
+pub(super) fn weight(vectors: [&[Model; 3]; 3]) -> [f64; 2] {
+    let mut sum = [0.0; 2];
+    for a in vectors {
+        let length = a.iter().map(|m| m.p.c[0].mag().powi(2)).sum::<f64>().sqrt();
+        for w in a.each_ref().map(Model::weight) {
+            sum[0] += w[0] / length;
+            sum[1] += w[1] / length;
+        }
+    }
+    sum
 }
