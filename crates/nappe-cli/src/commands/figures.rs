@@ -66,9 +66,12 @@ pub(super) fn integral(m: Measured) -> String {
     }
 }
 
+/// A radius of curvature beyond all models, in their unit: that rounding tells from straight.
+const HUGE: f64 = 1e12;
+
 /// The radius of the ball that fits.
 pub(super) fn room(ball: RollingBall) -> String {
-    if ball.at_least.is_infinite() {
+    if ball.at_least >= HUGE {
         return "any".to_owned();
     }
     let found = if ball.radius.is_infinite() {

@@ -30,9 +30,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// r_u × r_v: where the surface bends towards it the mean curvature is positive.
 ///
 /// The room for a tool is the radius of the largest ball that touches a surface from the side of its normal, or from
-/// behind, without being stopped by its curvature. The total curvature ∫ |K| dA is 0 for developable surfaces. The
-/// variation of curvature ∫ |∇II|² dA is the smaller the fairer a surface is, and 0 for planes, spheres and cylinders.
-/// Inertia is that of a solid of density 1 about its centroid.
+/// behind, without being stopped by its curvature. Inertia is that of a solid of density 1 about its centroid.
 ///
 /// Sides are one, and surfaces closed, if the mesh would join them: within a twentieth of its tolerance. Surfaces that
 /// close up make a shell; its volume is what it encloses unless surfaces pass through themselves or each other, which
@@ -41,10 +39,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 #[command(after_help = "\
 Examples:
   nappe info vase.nappe.toml
+  nappe info vase.nappe.toml --bending
   nappe info vase.nappe.toml --set height=300 --format json")]
 pub(crate) struct Args {
     #[command(flatten)]
     model: ModelArgs,
+
+    /// Also how surfaces bend, which takes longer: total curvature ∫ |K| dA, 0 for developable surfaces, and the
+    /// variation of curvature ∫ |∇II|² dA, the smaller the fairer
+    #[arg(long)]
+    bending: bool,
 
     /// A report for people, or JSON for programs
     #[arg(long, default_value = "text")]
@@ -59,7 +63,7 @@ const INTEGRALS: IntegralOptions = IntegralOptions {
 /// Integrals of curvature, which cost more for each box.
 const BENDING: IntegralOptions = IntegralOptions {
     relative: 1e-3,
-    budget: 400,
+    budget: 1000,
 };
 const SEARCH: SearchOptions = SearchOptions {
     relative: 1e-3,
@@ -70,7 +74,7 @@ impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
         refuse_other_formats(&self.model)?;
         let model = self.model.open(screen)?;
-        let facts = Facts::of(&model, screen);
+        let facts = Facts::of(&model, self.bending, screen);
         let text = match self.format {
             ReportFormat::Text => facts.text(&model),
             ReportFormat::Json => format!("{:#}\n", facts.json(&model)),
@@ -117,14 +121,14 @@ struct SurfaceFacts {
     area: AreaCentroid,
     extent: Option<Extent>,
     curvature: Option<CurvatureExtremes>,
-    bending: TotalCurvature,
-    variation: Measured,
+    /// Total curvature and its variation, if asked for.
+    bending: Option<(TotalCurvature, Measured)>,
     closed: [bool; 2],
     collapsed: Vec<Side>,
 }
 
 impl Facts {
-    fn of(model: &Model, screen: &Screen) -> Facts {
+    fn of(model: &Model, bending: bool, screen: &Screen) -> Facts {
         let named: Vec<&NamedSurface> = model.output().collect();
         let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
         let joined = JOINED * scene::tolerance(model, None);
@@ -135,7 +139,7 @@ impl Facts {
             .par_iter()
             .enumerate()
             .map(|(i, s)| {
-                let facts = SurfaceFacts::of(s, i, &met);
+                let facts = SurfaceFacts::of(s, i, &met, bending);
                 let done = done.fetch_add(1, Ordering::Relaxed) + 1;
                 progress.tell(done as f64 / surfaces.len() as f64);
                 facts
@@ -219,7 +223,10 @@ impl Facts {
         let mut text = format!("{head}\n");
         if !self.surfaces.is_empty() {
             text.push_str(&format!("\n{}\n", self.table(model, unit)));
-            text.push_str(&format!("\n{}\n", self.bending(model, unit)));
+            text.push_str(&format!("\n{}\n", self.room(model, unit)));
+            if let Some(bending) = self.bending(model, unit) {
+                text.push_str(&format!("\n{bending}\n"));
+            }
         }
         text
     }
@@ -343,32 +350,40 @@ impl Facts {
         table
     }
 
-    /// How the surfaces bend: a second table, as one would be too wide.
-    fn bending(&self, model: &Model, unit: &str) -> Table {
-        let headings = [
-            "surface".to_owned(),
-            "developable".to_owned(),
-            "total curvature in sr".to_owned(),
-            format!("variation of curvature in 1/{unit}²"),
-            format!("room for a tool in {unit}"),
-            "behind".to_owned(),
-        ];
-        let mut table = Table::headed(headings.each_ref().map(String::as_str));
+    /// The balls that fit: a second table, as one would be too wide.
+    fn room(&self, model: &Model, unit: &str) -> Table {
+        let room = format!("room for a tool in {unit}");
+        let mut table = Table::headed(["surface", &room, "behind"]);
         for (s, f) in model.output().zip(&self.surfaces) {
             let [front, back] = f.curvature.as_ref().map_or_else(
                 || [String::new(), String::new()],
                 |c| rolling_balls(c).map(figures::room),
             );
-            table.row([
-                s.name.clone(),
-                figures::developable(f.bending.developable).to_owned(),
-                figures::integral(f.bending.value),
-                figures::integral(f.variation),
-                front,
-                back,
-            ]);
+            table.row([s.name.clone(), front, back]);
         }
         table
+    }
+
+    /// How the surfaces bend; `None` if that was not asked for.
+    fn bending(&self, model: &Model, unit: &str) -> Option<Table> {
+        let variation = format!("variation of curvature in 1/{unit}²");
+        let headings = [
+            "surface",
+            "developable",
+            "total curvature in sr",
+            &variation,
+        ];
+        let mut table = Table::headed(headings);
+        for (s, f) in model.output().zip(&self.surfaces) {
+            let (total, variation) = f.bending?;
+            table.row([
+                s.name.clone(),
+                figures::developable(total.developable).to_owned(),
+                figures::integral(total.value),
+                figures::integral(variation),
+            ]);
+        }
+        Some(table)
     }
 
     fn json(&self, model: &Model) -> Value {
@@ -418,7 +433,7 @@ impl Facts {
 }
 
 impl SurfaceFacts {
-    fn of(surface: &SurfaceRef, index: usize, met: &Joints) -> SurfaceFacts {
+    fn of(surface: &SurfaceRef, index: usize, met: &Joints, bending: bool) -> SurfaceFacts {
         let own = |a: Side, b: Side| {
             met.joints.iter().any(|j| {
                 let sides = [j.first, j.second];
@@ -432,8 +447,10 @@ impl SurfaceFacts {
             area: area_centroid(surface.as_ref(), &INTEGRALS),
             extent: extent(surface.as_ref(), &SEARCH),
             curvature: curvature_extremes(surface.as_ref(), &SEARCH),
-            bending: total_curvature(surface.as_ref(), &BENDING),
-            variation: curvature_variation(surface.as_ref(), &BENDING),
+            bending: bending.then(|| {
+                let total = total_curvature(surface.as_ref(), &BENDING);
+                (total, curvature_variation(surface.as_ref(), &BENDING))
+            }),
             closed: [own(Side::West, Side::East), own(Side::South, Side::North)],
             collapsed: met.collapsed[index].clone(),
         }
@@ -473,9 +490,9 @@ impl SurfaceFacts {
             "mean_curvature": self.curvature.as_ref().map(|c| c.mean.map(extreme_json)),
             "smallest_radius": self.curvature.as_ref().map(|c| c.smallest_radius).filter(|r| r.is_finite()),
             "rolling_balls": self.curvature.as_ref().map(|c| figures::balls_json(rolling_balls(c))),
-            "total_curvature": measured_json(self.bending.value),
-            "developable": figures::developable(self.bending.developable),
-            "curvature_variation": measured_json(self.variation),
+            "total_curvature": self.bending.map(|b| measured_json(b.0.value)),
+            "developable": self.bending.map(|b| figures::developable(b.0.developable)),
+            "curvature_variation": self.bending.map(|b| measured_json(b.1)),
             "closed_u": self.closed[0],
             "closed_v": self.closed[1],
             "collapsed_sides": self.collapsed.iter().map(|s| s.name()).collect::<Vec<_>>(),

@@ -12,7 +12,7 @@ use super::taylor::{Patch, Taylor};
 use super::twin::Twin;
 use crate::interval::Interval;
 use crate::mesh::Certainty;
-use crate::surface::{Dir, Surface, SurfaceJet};
+use crate::surface::{Dir, Elementary, Surface, SurfaceJet};
 
 /// The degree of the models where there is no pole.
 const MODEL: usize = 6;
@@ -34,6 +34,12 @@ const SMALL: f64 = 1e-6;
 /// without bound towards a side that is one point, as at the tip of a cone. Proven unless the surface cannot enclose its
 /// derivatives or has no tangent plane somewhere. Cost: at most `options.budget` enclosures of order 10 (beside a pole 12).
 pub fn curvature_variation(surface: &dyn Surface, options: &IntegralOptions) -> Measured {
+    if let Some(Elementary::Plane { .. } | Elementary::Cylinder { .. }) = surface.elementary() {
+        return Measured {
+            value: 0.0,
+            certainty: Certainty::Exact,
+        };
+    }
     let size = size(surface);
     if !apexes(surface, size).is_empty() {
         return Measured {
