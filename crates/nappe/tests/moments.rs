@@ -125,10 +125,7 @@ fn centroids_of_areas() {
 fn the_centroid_of_parts_is_that_of_the_whole() {
     let whole = ["1.5+0.5*t^2-t", "0.3*t+sin(t)"];
     let part = |a: f64, b: f64| {
-        let [x, z] = whole.map(|s| {
-            s.replace('t', &format!("({a:?}+{:?}*t)", b - a))
-                .replace("sin((", "sin((")
-        });
+        let [x, z] = whole.map(|s| s.replace('t', &format!("({a:?}+{:?}*t)", b - a)));
         area_centroid(revolved(&x, &z, 2.0).as_ref(), &MILLIONTH)
     };
     let all = area_centroid(revolved(whole[0], whole[1], 2.0).as_ref(), &MILLIONTH);
