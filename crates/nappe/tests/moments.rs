@@ -282,6 +282,25 @@ fn what_gaps_may_hold_counts_in_all_moments() {
 }
 
 #[test]
+fn a_small_body_in_a_large_model_has_its_moments() {
+    let small = placed(
+        &ellipsoid([1.0; 3]),
+        DAffine3::from_mat3_translation(
+            DMat3::from_diagonal(DVec3::splat(1e-3)),
+            v(1.0, -2.0, 3.0),
+        ),
+    );
+    // Sides of the model count as one within a distance larger than the body.
+    let found = solids(&[small], Some(0.1), &MILLIONTH);
+    let [Ok(s)] = found.as_slice() else {
+        panic!("{found:?}")
+    };
+    assert_at(s.centroid.unwrap(), v(1.0, -2.0, 3.0), 1e-3);
+    let want = 0.4 * s.shell.volume.value * 1e-6;
+    assert_near(s.inertia.as_ref().unwrap().tensor[0][0], want, want);
+}
+
+#[test]
 fn thin_bodies_have_their_moments() {
     for axes in [[1e3, 1e3, 1e-3], [0.1, 0.1, 1e3], [1e-6, 2e-6, 1e-6]] {
         let s = solid(&[ellipsoid(axes)]);

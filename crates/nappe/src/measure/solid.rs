@@ -163,13 +163,13 @@ impl Moments {
         self.all.iter_mut().for_each(|m| *m = -*m);
     }
 
-    /// What surfaces of this area may add that are nowhere farther than `weld` from the others, nor than `reach` from the
+    /// What surfaces of this area may add that are nowhere farther than `near` from the others, nor than `reach` from the
     /// centre.
-    pub(super) fn open(&mut self, area: f64, weld: f64, reach: f64, proven: bool) {
+    pub(super) fn open(&mut self, area: f64, near: f64, reach: f64, proven: bool) {
         let whole = Interval::point(area) * Interval::point(reach);
         let along = self
             .half
-            .map(|h| Interval::point(h) + Interval::point(weld));
+            .map(|h| Interval::point(h) + Interval::point(near));
         let pairs = PAIRS.map(|[i, j]| along[i] * along[j]);
         let greatest = [&[Interval::ONE], &along[..], &pairs[..]].concat();
         for ((m, k), f) in self.all.iter_mut().zip(DEGREES).zip(greatest) {

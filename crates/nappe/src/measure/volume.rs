@@ -6,6 +6,8 @@ use super::solid::{Moments, moments};
 use super::strip::{length, strip};
 use super::tear::tear;
 use crate::box3::Box3;
+use crate::breaks::Breaks;
+use crate::interval::Interval;
 use crate::mesh::closing::within;
 use crate::mesh::{Joint, Joints, joints};
 use crate::surface::{Dir, Side, SurfaceRef};
@@ -156,10 +158,31 @@ pub fn volume(
     Ok(signed.sum())
 }
 
+/// Parts in each direction for a box around a surface, as enclosures of a whole domain may be much larger than it.
+const PARTS: usize = 4;
+
 /// A box around surfaces.
 fn hull<'a>(surfaces: impl Iterator<Item = &'a SurfaceRef>) -> Box3 {
+    let own = |s: &SurfaceRef| {
+        let [us, vs] = [Dir::U, Dir::V].map(|dir| {
+            let breaks = s.breaks(dir);
+            let each = PARTS.div_ceil(breaks.pieces());
+            let parts = |k: usize| {
+                let piece = breaks.piece(k);
+                let at = move |i: usize| match i {
+                    0 => piece.lo,
+                    _ if i == each => piece.hi,
+                    _ => piece.lo + (piece.hi - piece.lo) * i as f64 / each as f64,
+                };
+                (0..each).map(move |i| Interval::new(at(i), at(i + 1)))
+            };
+            (0..breaks.pieces()).flat_map(parts).collect::<Vec<_>>()
+        });
+        let pairs = us.iter().flat_map(|&u| vs.iter().map(move |&v| [u, v]));
+        pairs.map(|uv| s.bounds(uv)).reduce(Box3::hull)
+    };
     surfaces
-        .map(|s| s.bounds(s.domain()))
+        .filter_map(own)
         .reduce(Box3::hull)
         .unwrap_or(Box3::ZERO)
 }
@@ -188,10 +211,17 @@ fn shell(
     let joints: Vec<&Joint> = joined.joints.iter().filter(|j| is_own(j.first.0)).collect();
     let sides = |&(k, _): &(usize, bool)| joined.collapsed[k].iter().map(move |&s| (k, s));
     let points: Vec<(usize, Side)> = body.iter().flat_map(sides).collect();
-    let reach = 0.5 * hull.diagonal() * ROUND_UP + weld;
+    // The distance within which sides were joined: of small surfaces much less than that for the model.
+    let joined_within = body
+        .iter()
+        .flat_map(|&(k, _)| within(surfaces[k].as_ref(), weld));
+    let near = joined_within
+        .map(|w| w.join.max(w.point))
+        .fold(0.0, f64::max);
+    let reach = 0.5 * hull.diagonal() * ROUND_UP + near;
     let enough = options.relative * moments.volume().mid().abs() * STRIP_SHARE / reach;
     let holes = holes(surfaces, &joints, &points, weld, enough);
-    moments.open(holes.area, weld, reach, holes.proven);
+    moments.open(holes.area, near, reach, holes.proven);
     let shell = Shell {
         surfaces: body,
         volume: moments.measured(),
