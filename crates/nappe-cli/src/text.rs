@@ -96,6 +96,16 @@ pub(crate) fn bound(x: f64, digits: usize) -> String {
     number(x + step / 2.0, digits)
 }
 
+/// A positive bound from below, that is not rounded up.
+pub(crate) fn bound_below(x: f64, digits: usize) -> String {
+    let nearest = number(x, digits);
+    if !x.is_finite() || x <= 0.0 || nearest.parse::<f64>().is_ok_and(|n| n <= x) {
+        return nearest;
+    }
+    let step = 10f64.powi(x.log10().floor() as i32 + 1 - digits as i32);
+    number(x - step / 2.0, digits)
+}
+
 /// The size of a file.
 pub(crate) fn bytes(n: u64) -> String {
     match n {
@@ -151,6 +161,20 @@ mod tests {
         ] {
             assert_eq!(bound(x, 3), text);
             assert!(text.parse::<f64>().unwrap() >= x);
+        }
+    }
+
+    #[test]
+    fn bounds_from_below_are_not_rounded_up() {
+        for (x, text) in [
+            (0.12355, "0.123"),
+            (0.12345, "0.123"),
+            (9.996, "9.99"),
+            (10.0, "10"),
+            (0.0, "0"),
+        ] {
+            assert_eq!(bound_below(x, 3), text);
+            assert!(text.parse::<f64>().unwrap() <= x);
         }
     }
 

@@ -1,6 +1,7 @@
 //! `nappe info`.
 
-use super::report::{ReportFormat, certainty_json};
+use super::figures;
+use super::report::{ReportFormat, certainty_json, measured_json};
 use crate::failure::{Failure, Problem};
 use crate::model::ModelArgs;
 use crate::scene;
@@ -10,8 +11,9 @@ use crate::text::{Table, bound, number, torn};
 use nappe::Box3;
 use nappe::exact::NurbsSurface;
 use nappe::measure::{
-    CurvatureExtremes, Extent, Extreme, IntegralOptions, Measured, SearchOptions, Shell,
-    VolumeError, area, curvature_extremes, extent, shells, tear,
+    AreaCentroid, CurvatureExtremes, Extent, Extreme, IntegralOptions, Measured, SearchOptions,
+    Shell, Solid, TotalCurvature, VolumeError, area_centroid, curvature_extremes,
+    curvature_variation, extent, joint_centroid, rolling_balls, solids, tear, total_curvature,
 };
 use nappe::mesh::{Certainty, Joints, joints};
 use nappe::surface::{Dir, Side, SurfaceRef};
@@ -22,10 +24,13 @@ use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Tell what is in a model: surfaces, degrees, exactness, box, area, enclosed volume, curvature
+/// Tell what is in a model: surfaces, degrees, exactness, box, area, enclosed volume, centroids, inertia, curvature
 ///
 /// Every number is given with its error: proven, or estimated where that is said. Curvature is signed by the normal
 /// r_u × r_v: where the surface bends towards it the mean curvature is positive.
+///
+/// The room for a tool is the radius of the largest ball that touches a surface from the side of its normal, or from
+/// behind, without being stopped by its curvature. Inertia is that of a solid of density 1 about its centroid.
 ///
 /// Sides are one, and surfaces closed, if the mesh would join them: within a twentieth of its tolerance. Surfaces that
 /// close up make a shell; its volume is what it encloses unless surfaces pass through themselves or each other, which
@@ -34,10 +39,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 #[command(after_help = "\
 Examples:
   nappe info vase.nappe.toml
+  nappe info vase.nappe.toml --bending
   nappe info vase.nappe.toml --set height=300 --format json")]
 pub(crate) struct Args {
     #[command(flatten)]
     model: ModelArgs,
+
+    /// Also how surfaces bend, which takes longer: total curvature ∫ |K| dA, 0 for developable surfaces, and the
+    /// variation of curvature ∫ |∇II|² dA, the smaller the fairer
+    #[arg(long)]
+    bending: bool,
 
     /// A report for people, or JSON for programs
     #[arg(long, default_value = "text")]
@@ -49,6 +60,11 @@ const INTEGRALS: IntegralOptions = IntegralOptions {
     relative: 1e-6,
     budget: 2000,
 };
+/// Integrals of curvature, which cost more for each box.
+const BENDING: IntegralOptions = IntegralOptions {
+    relative: 1e-3,
+    budget: 1000,
+};
 const SEARCH: SearchOptions = SearchOptions {
     relative: 1e-3,
     budget: 300,
@@ -58,7 +74,7 @@ impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
         refuse_other_formats(&self.model)?;
         let model = self.model.open(screen)?;
-        let facts = Facts::of(&model, screen);
+        let facts = Facts::of(&model, self.bending, screen);
         let text = match self.format {
             ReportFormat::Text => facts.text(&model),
             ReportFormat::Json => format!("{:#}\n", facts.json(&model)),
@@ -86,9 +102,9 @@ fn refuse_other_formats(model: &ModelArgs) -> Result<(), Problem> {
 struct Facts {
     surfaces: Vec<SurfaceFacts>,
     /// `None` if a surface is torn.
-    area: Option<Measured>,
-    /// The closed shells.
-    shells: Vec<Shell>,
+    area: Option<AreaCentroid>,
+    /// What the closed shells enclose.
+    shells: Vec<Solid>,
     /// Why the other surfaces enclose nothing.
     not_closed: Vec<String>,
     /// True if the boxes of all shells are proven to be apart.
@@ -102,15 +118,17 @@ struct SurfaceFacts {
     /// The same set of points, perhaps with other parameters.
     shape: Option<NurbsSurface>,
     torn: Option<(Dir, f64)>,
-    area: Measured,
+    area: AreaCentroid,
     extent: Option<Extent>,
     curvature: Option<CurvatureExtremes>,
+    /// Total curvature and its variation, if asked for.
+    bending: Option<(TotalCurvature, Measured)>,
     closed: [bool; 2],
     collapsed: Vec<Side>,
 }
 
 impl Facts {
-    fn of(model: &Model, screen: &Screen) -> Facts {
+    fn of(model: &Model, bending: bool, screen: &Screen) -> Facts {
         let named: Vec<&NamedSurface> = model.output().collect();
         let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
         let joined = JOINED * scene::tolerance(model, None);
@@ -121,7 +139,7 @@ impl Facts {
             .par_iter()
             .enumerate()
             .map(|(i, s)| {
-                let facts = SurfaceFacts::of(s, i, &met);
+                let facts = SurfaceFacts::of(s, i, &met, bending);
                 let done = done.fetch_add(1, Ordering::Relaxed) + 1;
                 progress.tell(done as f64 / surfaces.len() as f64);
                 facts
@@ -129,7 +147,7 @@ impl Facts {
             .collect();
         let unit = model.units.symbol();
         let (mut closed, mut not_closed) = (Vec::new(), Vec::new());
-        for body in shells(&surfaces, Some(joined), &INTEGRALS) {
+        for body in solids(&surfaces, Some(joined), &INTEGRALS) {
             match body {
                 Ok(shell) => closed.push(shell),
                 Err(e) => not_closed.push(open(&e, &named, unit)),
@@ -138,7 +156,8 @@ impl Facts {
         progress.finish();
         let torn = facts.iter().any(|f| f.torn.is_some());
         Facts {
-            area: (!torn).then(|| facts.iter().map(|f| f.area).sum()),
+            area: (!torn)
+                .then(|| joint_centroid(&facts.iter().map(|f| f.area).collect::<Vec<_>>())),
             apart: are_apart(&closed, &facts),
             shells: closed,
             not_closed,
@@ -150,7 +169,7 @@ impl Facts {
     /// What all shells enclose, if that is known.
     fn volume(&self) -> Option<Measured> {
         let all = self.not_closed.is_empty() && !self.shells.is_empty();
-        (all && self.apart).then(|| self.shells.iter().map(|s| s.volume).sum())
+        (all && self.apart).then(|| self.shells.iter().map(|s| s.shell.volume).sum())
     }
 
     fn text(&self, model: &Model) -> String {
@@ -189,15 +208,25 @@ impl Facts {
         }
         if !self.surfaces.is_empty() {
             let area = match self.area {
-                Some(area) => format!("{} {unit}²", measured(area)),
+                Some(a) => format!("{} {unit}²", measured(a.area)),
                 None => "not told: a surface is torn".to_owned(),
             };
             head.row(["area", &area]);
+            if let Some(centroid) = self.area.and_then(|a| a.centroid) {
+                head.row(["centroid of the area", &figures::place(&centroid, unit)]);
+            }
             self.volumes(&mut head, model);
+            if let [one] = self.shells.as_slice() {
+                figures::rows(&mut head, one, unit);
+            }
         }
         let mut text = format!("{head}\n");
         if !self.surfaces.is_empty() {
             text.push_str(&format!("\n{}\n", self.table(model, unit)));
+            text.push_str(&format!("\n{}\n", self.room(model, unit)));
+            if let Some(bending) = self.bending(model, unit) {
+                text.push_str(&format!("\n{bending}\n"));
+            }
         }
         text
     }
@@ -215,7 +244,7 @@ impl Facts {
         }
         if let Some(volume) = self.volume() {
             let facing = match shells.as_slice() {
-                [one] => format!("; {}", facing(one)),
+                [one] => format!("; {}", facing(&one.shell)),
                 _ => format!(" in {} shells beside each other", shells.len()),
             };
             return head.row([
@@ -239,7 +268,7 @@ impl Facts {
         };
         head.row(["volume", &text]);
         let named: Vec<&NamedSurface> = model.output().collect();
-        for s in shells {
+        for s in shells.iter().map(|s| &s.shell) {
             let volume = format!(
                 "{} {unit}³: {}; {}",
                 measured(s.volume),
@@ -248,6 +277,31 @@ impl Facts {
             );
             head.row(["", &volume]);
         }
+    }
+
+    fn shell_json(&self, solid: &Solid, model: &Model) -> Value {
+        let shell = &solid.shell;
+        let names: Vec<&str> = model.output().map(|s| s.name.as_str()).collect();
+        let named = |inwards: bool| -> Vec<&str> {
+            let those = shell.surfaces.iter().filter(|f| f.1 == inwards);
+            those.map(|f| names[f.0]).collect()
+        };
+        // Seen from outside: on the side of the normal where that points outwards.
+        let balls = shell.surfaces.iter().map(|&(k, inwards)| {
+            let both = rolling_balls(self.surfaces[k].curvature.as_ref()?);
+            Some(both[usize::from(inwards)])
+        });
+        let concave = balls
+            .collect::<Option<Vec<_>>>()
+            .and_then(figures::smallest);
+        json!({
+            "volume": measured_json(shell.volume),
+            "normals_outwards": named(false),
+            "normals_inwards": named(true),
+            "centroid": solid.centroid.map(figures::centroid_json),
+            "inertia": solid.inertia.map(figures::inertia_json),
+            "smallest_concave_radius": concave.map(figures::ball_json),
+        })
     }
 
     fn table(&self, model: &Model, unit: &str) -> Table {
@@ -287,13 +341,49 @@ impl Facts {
                 s.kind.to_owned(),
                 nurbs,
                 size,
-                f.torn.map_or_else(|| measured(f.area), torn),
+                f.torn.map_or_else(|| measured(f.area.area), torn),
                 gaussian,
                 mean,
                 f.closure(),
             ]);
         }
         table
+    }
+
+    /// The balls that fit: a second table, as one would be too wide.
+    fn room(&self, model: &Model, unit: &str) -> Table {
+        let room = format!("room for a tool in {unit}");
+        let mut table = Table::headed(["surface", &room, "behind"]);
+        for (s, f) in model.output().zip(&self.surfaces) {
+            let [front, back] = f.curvature.as_ref().map_or_else(
+                || [String::new(), String::new()],
+                |c| rolling_balls(c).map(figures::room),
+            );
+            table.row([s.name.clone(), front, back]);
+        }
+        table
+    }
+
+    /// How the surfaces bend; `None` if that was not asked for.
+    fn bending(&self, model: &Model, unit: &str) -> Option<Table> {
+        let variation = format!("variation of curvature in 1/{unit}²");
+        let headings = [
+            "surface",
+            "developable",
+            "total curvature in sr",
+            &variation,
+        ];
+        let mut table = Table::headed(headings);
+        for (s, f) in model.output().zip(&self.surfaces) {
+            let (total, variation) = f.bending?;
+            table.row([
+                s.name.clone(),
+                figures::developable(total.developable).to_owned(),
+                figures::integral(total.value),
+                figures::integral(variation),
+            ]);
+        }
+        Some(table)
     }
 
     fn json(&self, model: &Model) -> Value {
@@ -333,16 +423,17 @@ impl Facts {
             "curves": curves,
             "surfaces": surfaces,
             "box": self.extent.map(|(hull, certainty)| box_json(hull, certainty)),
-            "area": self.area.map(measured_json),
+            "area": self.area.map(|a| measured_json(a.area)),
+            "centroid": self.area.and_then(|a| a.centroid).map(figures::centroid_json),
             "volume": self.volume().map(measured_json),
-            "shells": self.shells.iter().map(|s| shell_json(s, model)).collect::<Vec<_>>(),
+            "shells": self.shells.iter().map(|s| self.shell_json(s, model)).collect::<Vec<_>>(),
             "not_closed": self.not_closed,
         })
     }
 }
 
 impl SurfaceFacts {
-    fn of(surface: &SurfaceRef, index: usize, met: &Joints) -> SurfaceFacts {
+    fn of(surface: &SurfaceRef, index: usize, met: &Joints, bending: bool) -> SurfaceFacts {
         let own = |a: Side, b: Side| {
             met.joints.iter().any(|j| {
                 let sides = [j.first, j.second];
@@ -353,9 +444,13 @@ impl SurfaceFacts {
             nurbs: surface.to_nurbs(),
             shape: surface.to_rational(),
             torn: tear(surface.as_ref()),
-            area: area(surface.as_ref(), &INTEGRALS),
+            area: area_centroid(surface.as_ref(), &INTEGRALS),
             extent: extent(surface.as_ref(), &SEARCH),
             curvature: curvature_extremes(surface.as_ref(), &SEARCH),
+            bending: bending.then(|| {
+                let total = total_curvature(surface.as_ref(), &BENDING);
+                (total, curvature_variation(surface.as_ref(), &BENDING))
+            }),
             closed: [own(Side::West, Side::East), own(Side::South, Side::North)],
             collapsed: met.collapsed[index].clone(),
         }
@@ -389,10 +484,15 @@ impl SurfaceFacts {
             "rational": self.nurbs.as_ref().map(NurbsSurface::is_rational),
             "box": self.extent.as_ref().map(|e| box_json(e.hull, e.certainty)),
             "torn": self.torn.map(|(dir, at)| json!({ "dir": dir.to_string(), "at": at })),
-            "area": self.torn.is_none().then(|| measured_json(self.area)),
+            "area": self.torn.is_none().then(|| measured_json(self.area.area)),
+            "centroid": self.area.centroid.filter(|_| self.torn.is_none()).map(figures::centroid_json),
             "gaussian_curvature": self.curvature.as_ref().map(|c| c.gaussian.map(extreme_json)),
             "mean_curvature": self.curvature.as_ref().map(|c| c.mean.map(extreme_json)),
             "smallest_radius": self.curvature.as_ref().map(|c| c.smallest_radius).filter(|r| r.is_finite()),
+            "rolling_balls": self.curvature.as_ref().map(|c| figures::balls_json(rolling_balls(c))),
+            "total_curvature": self.bending.map(|b| measured_json(b.0.value)),
+            "developable": self.bending.map(|b| figures::developable(b.0.developable)),
+            "curvature_variation": self.bending.map(|b| measured_json(b.1)),
             "closed_u": self.closed[0],
             "closed_v": self.closed[1],
             "collapsed_sides": self.collapsed.iter().map(|s| s.name()).collect::<Vec<_>>(),
@@ -467,7 +567,7 @@ fn facing(shell: &Shell) -> &'static str {
 }
 
 /// True if the boxes around the shells, as far as they may be too small, have nothing in common.
-fn are_apart(shells: &[Shell], facts: &[SurfaceFacts]) -> bool {
+fn are_apart(shells: &[Solid], facts: &[SurfaceFacts]) -> bool {
     let around = |k: usize| {
         let e = facts[k].extent.as_ref()?;
         let Certainty::Bounded(error) = e.certainty.and(Certainty::Bounded(0.0)) else {
@@ -478,7 +578,7 @@ fn are_apart(shells: &[Shell], facts: &[SurfaceFacts]) -> bool {
     let boxes: Option<Vec<Box3>> = shells
         .iter()
         .map(|s| {
-            let all: Option<Vec<Box3>> = s.surfaces.iter().map(|f| around(f.0)).collect();
+            let all: Option<Vec<Box3>> = s.shell.surfaces.iter().map(|f| around(f.0)).collect();
             all?.into_iter().reduce(Box3::hull)
         })
         .collect();
@@ -497,11 +597,11 @@ fn whole(facts: &[SurfaceFacts]) -> Option<(Box3, Certainty)> {
 }
 
 /// The digits that are known, and the error.
-fn measured(m: Measured) -> String {
+pub(super) fn measured(m: Measured) -> String {
     format!("{}{}", number(m.value, 10), error(m.certainty))
 }
 
-fn error(c: Certainty) -> String {
+pub(super) fn error(c: Certainty) -> String {
     match c {
         Certainty::Exact => String::new(),
         Certainty::Bounded(e) => format!(" ± {}", bound(e, 1)),
@@ -539,23 +639,6 @@ fn range([least, greatest]: &[Extreme; 2], round: f64) -> String {
     } else {
         format!("{a} … {b}{about}")
     }
-}
-
-fn measured_json(m: Measured) -> Value {
-    json!({ "value": m.value, "certainty": certainty_json(m.certainty) })
-}
-
-fn shell_json(shell: &Shell, model: &Model) -> Value {
-    let names: Vec<&str> = model.output().map(|s| s.name.as_str()).collect();
-    let named = |inwards: bool| -> Vec<&str> {
-        let those = shell.surfaces.iter().filter(|f| f.1 == inwards);
-        those.map(|f| names[f.0]).collect()
-    };
-    json!({
-        "volume": measured_json(shell.volume),
-        "normals_outwards": named(false),
-        "normals_inwards": named(true),
-    })
 }
 
 fn extreme_json(e: Extreme) -> Value {

@@ -5,6 +5,7 @@ mod check;
 mod completions;
 mod eval;
 mod examples;
+mod figures;
 mod info;
 mod render;
 mod report;

@@ -1,6 +1,7 @@
 //! What reports of several commands have in common.
 
 use clap::ValueEnum;
+use nappe::measure::Measured;
 use nappe::mesh::Certainty;
 use serde_json::{Value, json};
 
@@ -21,4 +22,12 @@ pub(super) fn certainty_json(c: Certainty) -> Value {
         Certainty::Estimated(_) => "estimated",
     };
     json!({ "is": word, "error": Some(c.error()).filter(|e| e.is_finite()) })
+}
+
+/// A number with its certainty; an infinite one is null.
+pub(super) fn measured_json(m: Measured) -> Value {
+    json!({
+        "value": Some(m.value).filter(|x| x.is_finite()),
+        "certainty": certainty_json(m.certainty),
+    })
 }

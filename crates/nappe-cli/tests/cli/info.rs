@@ -82,6 +82,45 @@ fn curvature_of_a_sphere() {
 }
 
 #[test]
+fn centroid_and_inertia_of_a_can_and_how_it_bends() {
+    let folder = Folder::with_model(MODEL);
+    let info = json(&folder, "--bending");
+    // Radius 2, height 3.
+    let shell = &info["shells"][0];
+    let near = |point: &Value, want: [f64; 3]| {
+        let error = point["certainty"]["error"].as_f64().unwrap();
+        assert_eq!(point["certainty"]["is"], "bounded");
+        for (k, want) in want.into_iter().enumerate() {
+            let x = point["point"][k].as_f64().unwrap();
+            assert!((x - want).abs() <= error && error < 1e-3, "{point}");
+        }
+    };
+    near(&info["centroid"], [0.0, 0.0, 1.5]);
+    near(&shell["centroid"], [0.0, 0.0, 1.5]);
+    let mass = 12.0 * PI;
+    let across = mass * (3.0 * 4.0 + 9.0) / 12.0;
+    let tensor = &shell["inertia"]["tensor"];
+    assert_measured(&tensor[0][0], across);
+    assert_measured(&tensor[2][2], mass * 2.0);
+    let principal = &shell["inertia"]["principal"];
+    assert_measured(&principal[0], across.min(mass * 2.0));
+    let balls = &info["surfaces"][0]["rolling_balls"];
+    let radius = |side: &str| balls[side]["radius"].as_f64().unwrap_or(f64::INFINITY);
+    let both = [radius("normal_side"), radius("behind")];
+    assert!((both[0].min(both[1]) - 2.0).abs() < 1e-9, "{balls}");
+    // Two discs and a cylinder in one surface: nothing bends both ways.
+    let can = &info["surfaces"][0];
+    assert!(
+        can["developable"] != "no" && can["developable"] != "not known",
+        "{can}"
+    );
+    let total = can["total_curvature"]["value"].as_f64().unwrap();
+    assert!(total.abs() < 1e-6, "{total}");
+    // Only if asked for.
+    assert!(json(&folder, "")["surfaces"][0]["total_curvature"].is_null());
+}
+
+#[test]
 fn the_report_for_people() {
     let folder = Folder::with_model(
         r#"

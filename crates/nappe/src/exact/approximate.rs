@@ -35,6 +35,19 @@ pub enum ApproximationError {
         /// The parameter, or u and v.
         at: Vec<f64>,
     },
+    /// The degree cannot be lowered to that.
+    #[error("the degree is {own}: it can be lowered to 1 … {own}, not to {degree}")]
+    Degree {
+        /// The degree it has.
+        own: usize,
+        /// The degree asked for.
+        degree: usize,
+    },
+    /// The weights vary too much for the lower degree.
+    #[error(
+        "in this degree the weights would not be positive: insert knots first, or keep the degree"
+    )]
+    Weights,
     /// The result is not a valid spline: the parameters are too near each other.
     #[error(transparent)]
     Nurbs(#[from] NurbsError),
@@ -63,6 +76,24 @@ impl<T> Converted<T> {
             same_parameters,
         }
     }
+
+    /// With fewer knots in what is left of the tolerance.
+    fn fewer(
+        self,
+        tol: f64,
+        reduce: impl Fn(&T, f64) -> Result<Self, ApproximationError>,
+    ) -> Result<Self, ApproximationError> {
+        let room = tol - self.certainty.error();
+        if matches!(self.certainty, Certainty::Estimated(_)) || room.is_nan() || room <= 0.0 {
+            return Ok(self);
+        }
+        let few = reduce(&self.nurbs, room)?;
+        let error = (self.certainty.error() + few.certainty.error()).next_up();
+        Ok(Self {
+            certainty: Certainty::Bounded(error),
+            ..few
+        })
+    }
 }
 
 /// The most pieces of a curve, or of a surface in one direction. At the sixth order of convergence a smooth curve
@@ -78,25 +109,37 @@ const SAMPLES: usize = 7;
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 /// The curve as a NURBS curve: exactly where that exists, with the same parameters if possible, else
-/// [`approximate_curve`]. What exporters call.
+/// [`approximate_curve`] with only those knots that the tolerance needs. What exporters call.
 pub fn to_nurbs_or_approximate_curve(
     curve: &dyn Curve,
     tol: f64,
 ) -> Result<Converted<NurbsCurve>, ApproximationError> {
     let same = curve.to_nurbs().map(|n| Converted::exact(n, true));
     let exact = same.or_else(|| Some(Converted::exact(curve.to_rational()?, false)));
-    exact.map_or_else(|| approximate_curve(curve, tol), Ok)
+    exact.map_or_else(
+        || {
+            let close = approximate_curve(curve, 0.5 * tol)?;
+            close.fewer(tol, NurbsCurve::with_fewer_knots)
+        },
+        Ok,
+    )
 }
 
 /// The surface as a NURBS surface: exactly where that exists, with the same parameters if possible, else
-/// [`approximate_surface`]. What exporters call.
+/// [`approximate_surface`] with only those knots that the tolerance needs. What exporters call.
 pub fn to_nurbs_or_approximate(
     surface: &dyn Surface,
     tol: f64,
 ) -> Result<Converted<NurbsSurface>, ApproximationError> {
     let same = surface.to_nurbs().map(|n| Converted::exact(n, true));
     let exact = same.or_else(|| Some(Converted::exact(surface.to_rational()?, false)));
-    exact.map_or_else(|| approximate_surface(surface, tol), Ok)
+    exact.map_or_else(
+        || {
+            let close = approximate_surface(surface, 0.5 * tol)?;
+            close.fewer(tol, NurbsSurface::with_fewer_knots)
+        },
+        Ok,
+    )
 }
 
 /// A spline of degree 5 that stays within `tol` of the curve at equal parameters. Its ends are those of the curve; it

@@ -8,6 +8,7 @@ mod hull;
 mod nurbs_curve;
 mod nurbs_surface;
 mod piecewise;
+mod reduce;
 mod spline;
 mod surface_tools;
 

@@ -187,6 +187,12 @@ impl Spline {
     /// stay. The spline then moves by at most `tol`. Source: Tiller, *Knot-removal algorithms for NURBS curves and
     /// surfaces* (1992).
     pub(crate) fn without(&self, t: f64, tol: f64) -> Option<Self> {
+        let (without, moved) = self.removed(t)?;
+        (moved <= tol).then_some(without)
+    }
+
+    /// As [`Self::without`], with how far homogeneous points move; not a number where nothing fits.
+    pub(crate) fn removed(&self, t: f64) -> Option<(Self, f64)> {
         let (p, s) = (self.degree, self.multiplicity(t));
         let domain = self.domain();
         if s == 0 || t <= domain.lo || t >= domain.hi {
@@ -214,9 +220,6 @@ impl Spline {
         } else {
             distance(&self.rows[i], &mix(l, n, alpha(i)))
         };
-        if moved.is_nan() || moved > tol {
-            return None;
-        }
         right.reverse();
         let mut new = left;
         if j < i {
@@ -229,11 +232,28 @@ impl Spline {
         rows.extend_from_slice(&self.rows[last + 2..]);
         let mut knots = self.knots.clone();
         knots.remove(r);
-        Some(Self {
+        let without = Self {
             degree: p,
             knots,
             rows,
-        })
+        };
+        Some((without, moved))
+    }
+
+    /// The part of the spline that removing a knot depends on, with the same control points: what lies within `2 degree`
+    /// knots.
+    pub(crate) fn near(&self, t: f64) -> Self {
+        let p = self.degree;
+        let first = self
+            .knots
+            .partition_point(|&k| k < t)
+            .saturating_sub(2 * p + 1);
+        let last = (self.knots.partition_point(|&k| k <= t) + 2 * p + 1).min(self.knots.len());
+        Self {
+            degree: p,
+            knots: self.knots[first..last].to_vec(),
+            rows: self.rows[first..last - p - 1].to_vec(),
+        }
     }
 }
 

@@ -23,7 +23,7 @@ impl NurbsSurface {
     }
 
     /// The surface as a spline in one direction, with the net lines of the other as control points.
-    fn to_spline(&self, dir: Dir) -> Spline {
+    pub(super) fn to_spline(&self, dir: Dir) -> Spline {
         let columns = self.size()[1];
         let rows: Vec<Row> = match dir {
             Dir::U => self
@@ -45,7 +45,7 @@ impl NurbsSurface {
     }
 
     /// The surface whose net in one direction is a changed spline.
-    fn with_spline(&self, dir: Dir, s: Spline) -> Result<Self, NurbsError> {
+    pub(super) fn with_spline(&self, dir: Dir, s: Spline) -> Result<Self, NurbsError> {
         let basis = BSplineBasis::new(s.degree, s.knots)?;
         Ok(match dir {
             Dir::U => {

@@ -1,6 +1,8 @@
 //! The area of a surface.
 
-use super::integral::{IntegralOptions, Measured, estimate, integrate, measured};
+use super::integral::{
+    Goal, IntegralOptions, Measured, estimate, integrate, is_close, measured, of_patch,
+};
 use super::taylor::{Patch, Taylor};
 use crate::box3::Box3;
 use crate::surface::Surface;
@@ -11,23 +13,30 @@ pub(super) fn normal(jet: &[Box3], degree: usize) -> [Taylor; 3] {
     Taylor::cross(&u, &v)
 }
 
-/// A bound wider than this share says less about the area than samples do: they give the number, the bound its error.
-const LOOSE: f64 = 0.01;
+/// `|r_u × r_v|` as Taylor polynomials, over a box and at its centre.
+pub(super) fn element(patch: &Patch, degree: usize) -> [Taylor; 2] {
+    let [wide, at] = [&patch.wide, &patch.at].map(|j| Taylor::square(&normal(j, degree)));
+    [wide.tightened(&at, patch.offset).sqrt(), at.sqrt()]
+}
 
 /// The area `∫∫ |r_u × r_v| du dv`, in the square of the unit of length.
 ///
 /// `options.relative` is relative to the area. A torn surface (see [`tear`](super::tear)) has the area of its pieces. The
-/// result is proven unless the surface cannot enclose its derivatives.
+/// result is proven unless the surface cannot enclose its derivatives. [`area_centroid`](super::area_centroid) gives it
+/// together with the centroid.
 pub fn area(surface: &dyn Surface, options: &IntegralOptions) -> Measured {
-    let integrand = |patch: &Patch, degree: usize| {
-        let [wide, at] = [&patch.wide, &patch.at].map(|j| Taylor::square(&normal(j, degree)));
-        [wide.tightened(&at, patch.offset).sqrt(), at.sqrt()]
-    };
-    let found = integrate(&[surface], &integrand, options)[0];
-    let sampled = || estimate(surface, &|d| d[1].cross(d[2]).length());
+    let integrand = of_patch(|patch, degree| vec![element(patch, degree)]);
+    let found = integrate(&[surface], &integrand, &Goal::one(options))[0][0];
+    let sampled = || estimate(surface, 1, &|d| [d[1].cross(d[2]).length()])[0];
     if found.is_finite() {
-        let close = found.width() <= LOOSE * found.mag();
-        measured(found, if close { f64::NAN } else { sampled().value })
+        measured(
+            found,
+            if is_close(found) {
+                f64::NAN
+            } else {
+                sampled().value
+            },
+        )
     } else {
         sampled()
     }

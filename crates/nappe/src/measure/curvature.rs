@@ -91,6 +91,9 @@ const FLAT: f64 = 1e-6;
 /// would miss what is in a pole.
 const CLEAR: f64 = 1e-3;
 
+/// The degree of the Taylor polynomials. Higher degrees need fewer boxes but each costs more.
+const DEGREE: usize = 6;
+
 /// Samples in each direction for the longest tangents.
 const LINES: usize = 9;
 
@@ -120,7 +123,7 @@ impl Quantities<4> for Curvatures<'_> {
     }
 
     fn enclose(&self, uv: [Interval; 2]) -> ([Interval; 4], usize) {
-        let form = match ShapeForm::new(self.surface, uv, self.size) {
+        let form = match ShapeForm::new(self.surface, uv, self.size, DEGREE) {
             Ok(form) => form,
             Err(next) => return ([Interval::ENTIRE; 4], next),
         };

@@ -1,9 +1,10 @@
 //! Integrals over a surface's domain with proven bounds.
 //!
 //! Over a box with middle m the integrand is its Taylor polynomial of degree d - 1 at m plus terms of degree d with
-//! coefficients enclosed over the whole box; both are integrated exactly. The error of a box of size h is of order
+//! coefficients enclosed over the whole box; both are integrated exactly, several integrands at once. The error of a box of size h is of order
 //! `h^(d+3)`. The worst boxes are halved until the sum of errors is small enough.
 
+use super::model::Model;
 use super::taylor::{Patch, Taylor};
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
@@ -73,26 +74,110 @@ const TURN: f64 = 1.0;
 /// The order of jets that a degree-d Taylor polynomial of a function of tangents needs.
 const ORDER: usize = DEGREE + 1;
 
-/// The Taylor polynomial of degree [`DEGREE`] of an integrand: enclosures over a box and at its centre, from a patch
-/// of order [`ORDER`].
-pub(super) type Integrand<'a> = &'a dyn Fn(&Patch, usize) -> [Taylor; 2];
+/// An integrand over a box.
+pub(super) enum Expansion {
+    /// A Taylor polynomial: enclosures of the coefficients over the box and at the centre of expansion.
+    Enclosed([Taylor; 2]),
+    /// A polynomial and what it differs by.
+    Model(Model),
+}
+
+impl Expansion {
+    fn degree(&self) -> usize {
+        match self {
+            Expansion::Enclosed([wide, _]) => wide.degree,
+            Expansion::Model(m) => m.p.degree,
+        }
+    }
+
+    fn range(&self, offset: [Interval; 2]) -> Interval {
+        match self {
+            Expansion::Enclosed([wide, at]) => wide.range(at, offset),
+            Expansion::Model(m) => m.range(),
+        }
+    }
+
+    /// What is known where it is not expanded.
+    fn plain(&self) -> Option<Interval> {
+        match self {
+            Expansion::Enclosed([wide, _]) => (!wide.is_finite()).then_some(wide.c[0]),
+            Expansion::Model(m) => (!m.is_finite()).then_some(m.known),
+        }
+    }
+}
+
+/// Integrands over a box.
+pub(super) struct Form {
+    pub(super) integrands: Vec<Expansion>,
+    /// The parameters, measured from the centre of expansion.
+    pub(super) offset: [Interval; 2],
+    /// True if u and v change places in the polynomials.
+    pub(super) exchanged: bool,
+    /// True if absolute values are integrated.
+    pub(super) absolute: bool,
+    /// How much u and v add to what keeps the integrands from being narrow; `None`: as their own terms tell.
+    pub(super) weight: Option<[f64; 2]>,
+}
+
+/// The integrands over a box in one analytic piece; where nothing can be expanded, the direction in which to halve it.
+pub(super) type Integrand<'a> = &'a dyn Fn(&dyn Surface, [Interval; 2]) -> Result<Form, usize>;
+
+/// Integrands of degree [`DEGREE`] from a patch of order [`ORDER`].
+pub(super) fn of_patch(
+    f: impl Fn(&Patch, usize) -> Vec<[Taylor; 2]>,
+) -> impl Fn(&dyn Surface, [Interval; 2]) -> Result<Form, usize> {
+    move |surface, uv| {
+        let patch = Patch::new(surface, uv, ORDER);
+        Ok(Form {
+            integrands: f(&patch, DEGREE)
+                .into_iter()
+                .map(Expansion::Enclosed)
+                .collect(),
+            offset: patch.offset,
+            exchanged: false,
+            absolute: false,
+            weight: None,
+        })
+    }
+}
 
 struct Cell {
     /// The index of the surface.
     surface: usize,
     uv: [Interval; 2],
-    value: Interval,
-    error: f64,
-    /// The part of the error that is rounding: halving does not lessen it.
-    rounding: f64,
+    parts: Vec<Part>,
     /// The direction to halve: where the terms of the highest degree weigh more.
     next: usize,
 }
 
-/// `∫ xⁿ` and `∫ |x|ⁿ` over an interval that contains 0 near its middle, for n up to the degree.
-fn moments(x: Interval) -> [[Interval; 2]; DEGREE + 1] {
+/// An integral over a box.
+#[derive(Clone, Copy)]
+struct Part {
+    value: Interval,
+    error: f64,
+    /// The part of the error that is rounding: halving does not lessen it.
+    rounding: f64,
+}
+
+impl Part {
+    fn new(value: Interval, rounding: f64) -> Self {
+        let error = if value.is_finite() {
+            value.width()
+        } else {
+            f64::INFINITY
+        };
+        Self {
+            value,
+            error,
+            rounding: rounding.min(error),
+        }
+    }
+}
+
+/// `∫ xⁿ` and `∫ |x|ⁿ` over an interval that contains 0, for n up to the degree.
+fn moments(x: Interval, degree: usize) -> Vec<[Interval; 2]> {
     let (mut low, mut high) = (Interval::point(x.lo), Interval::point(x.hi));
-    std::array::from_fn(|n| {
+    let each = |n: usize| {
         let over = Interval::point((n + 1) as f64);
         let signed = (high - low) / over;
         let size = if n.is_multiple_of(2) {
@@ -103,23 +188,68 @@ fn moments(x: Interval) -> [[Interval; 2]; DEGREE + 1] {
         low = low * Interval::point(x.lo);
         high = high * Interval::point(x.hi);
         [signed, size]
-    })
+    };
+    (0..=degree).map(each).collect()
 }
 
-/// The integral over a box; of its width, what is rounding; and the direction to halve.
-fn over_box(surface: &dyn Surface, f: Integrand, uv: [Interval; 2]) -> (Interval, f64, usize) {
-    let patch = Patch::new(surface, uv, ORDER);
-    let [wide, narrow] = f(&patch, DEGREE);
-    let whole = uv.map(|t| Interval::point(t.hi) - Interval::point(t.lo));
-    let plain = wide.c[0] * whole[0] * whole[1];
-    if !wide.is_finite() {
-        return (plain, 0.0, halved(surface, uv));
-    }
-    let (x, y) = (moments(patch.offset[0]), moments(patch.offset[1]));
+/// The integrals over a box, and the direction to halve.
+fn over_box(
+    surface: &dyn Surface,
+    f: Integrand,
+    uv: [Interval; 2],
+    units: &[f64],
+) -> (Vec<Part>, usize) {
+    let form = match f(surface, uv) {
+        Ok(form) => form,
+        Err(next) => return (vec![Part::new(Interval::ENTIRE, 0.0); units.len()], next),
+    };
+    let size = {
+        let [u, v] = uv.map(|t| Interval::point(t.hi) - Interval::point(t.lo));
+        u * v
+    };
+    let degree = form.integrands[0].degree();
+    let powers = form.offset.map(|x| moments(x, degree));
+    let mut weight = [0.0; 2];
+    let mut lost = false;
+    let parts = form.integrands.iter().zip(units).map(|(f, unit)| {
+        if let Some(plain) = f.plain() {
+            lost = true;
+            return Part::new(plain * size, 0.0);
+        }
+        let (part, share) = match f {
+            Expansion::Enclosed([wide, narrow]) => one(wide, narrow, &powers, size),
+            Expansion::Model(m) => (modelled(m, &powers, size), [0.0; 2]),
+        };
+        for d in 0..2 {
+            weight[d] += share[d] / unit;
+        }
+        if form.absolute {
+            absolute(part, f.range(form.offset), size)
+        } else {
+            part
+        }
+    });
+    let parts = parts.collect();
+    let next = match form.weight {
+        Some([u, v]) if (u + v).is_finite() => usize::from((v > u) != form.exchanged),
+        None if !lost => usize::from((weight[1] > weight[0]) != form.exchanged),
+        _ => halved(surface, uv),
+    };
+    (parts, next)
+}
+
+/// The integral of one polynomial, and how much of its error comes from u and from v.
+fn one(
+    wide: &Taylor,
+    narrow: &Taylor,
+    [x, y]: &[Vec<[Interval; 2]>; 2],
+    size: Interval,
+) -> (Part, [f64; 2]) {
+    let plain = wide.c[0] * size;
     // Every degree up to the highest gives an enclosure: lower ones are better over large boxes.
-    let mut best: Option<(Interval, f64, usize)> = None;
+    let mut best: Option<(Interval, f64, [f64; 2])> = None;
     let mut lower = Interval::ZERO;
-    for n in 0..=DEGREE {
+    for n in 0..=wide.degree {
         let mut highest = Interval::ZERO;
         let mut weight = [0.0; 2];
         let mut same = Interval::ZERO;
@@ -139,22 +269,38 @@ fn over_box(surface: &dyn Surface, f: Integrand, uv: [Interval; 2]) -> (Interval
             weight[1] += error * j as f64;
         }
         let sum = lower + highest;
-        if n >= 2
-            && n.is_multiple_of(2)
-            && sum.is_finite()
-            && best.is_none_or(|b| sum.width() < b.0.width())
-        {
-            best = Some((sum, lower.width(), usize::from(weight[1] > weight[0])));
+        if n >= 2 && sum.is_finite() && best.is_none_or(|b| sum.width() < b.0.width()) {
+            best = Some((sum, lower.width(), weight));
         }
         lower = lower + same;
     }
     match best {
-        Some((sum, rounding, next)) => {
-            let value = sum.meet(plain);
-            (value, rounding.min(value.width()), next)
-        }
-        None => (plain, 0.0, halved(surface, uv)),
+        Some((sum, rounding, weight)) => (Part::new(sum.meet(plain), rounding), weight),
+        None => (Part::new(plain, 0.0), [0.0; 2]),
     }
+}
+
+/// The integral of a model.
+fn modelled(m: &Model, [x, y]: &[Vec<[Interval; 2]>; 2], size: Interval) -> Part {
+    let mut sum = Interval::ZERO;
+    for n in 0..=m.p.degree {
+        for j in 0..=n {
+            let i = n - j;
+            sum = sum + m.p.c[jet_index(i, j)] * x[i][0] * y[j][0];
+        }
+    }
+    Part::new((sum + m.rest * size).meet(m.known * size), sum.width())
+}
+
+/// The integral of the absolute value, from the integral and the range of the integrand.
+fn absolute(part: Part, range: Interval, size: Interval) -> Part {
+    let value = part.value.abs();
+    if range.contains(0.0) {
+        // The sign may change: no integral is greater than that of the greatest value.
+        let most = (Interval::point(range.mag()) * size).hi;
+        return Part::new(Interval::new(value.lo.min(most), most), 0.0);
+    }
+    Part::new(value, part.rounding)
 }
 
 /// Samples along the middle lines of a box, for the choice of the direction to halve.
@@ -201,9 +347,13 @@ pub(super) fn halved(surface: &dyn Surface, uv: [Interval; 2]) -> usize {
     usize::from(v > u)
 }
 
-/// Sums over cells.
-#[derive(Clone, Copy, Default)]
+/// Sums over cells, for each integrand.
 struct Total {
+    parts: Vec<Sum>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct Sum {
     value: f64,
     error: f64,
     rounding: f64,
@@ -211,56 +361,91 @@ struct Total {
 }
 
 impl Total {
-    fn of(cells: &BinaryHeap<Ranked<Cell>>) -> Self {
-        let mut t = Self::default();
+    fn of(cells: &BinaryHeap<Ranked<Cell>>, count: usize) -> Self {
+        let mut t = Self {
+            parts: vec![Sum::default(); count],
+        };
         cells.iter().for_each(|c| t.add(&c.item, 1.0));
         t
     }
 
     fn add(&mut self, c: &Cell, sign: f64) {
-        if c.error.is_finite() {
-            self.value += sign * c.value.mid();
-            self.error += sign * c.error;
-            self.rounding += sign * c.rounding;
-        } else if sign > 0.0 {
-            self.infinite += 1;
-        } else {
-            self.infinite -= 1;
+        for (sum, p) in self.parts.iter_mut().zip(&c.parts) {
+            if p.error.is_finite() {
+                sum.value += sign * p.value.mid();
+                sum.error += sign * p.error;
+                sum.rounding += sign * p.rounding;
+            } else if sign > 0.0 {
+                sum.infinite += 1;
+            } else {
+                sum.infinite -= 1;
+            }
         }
     }
 
-    fn is_enough(&self, relative: f64) -> bool {
+    fn is_enough(&self, goal: &Goal) -> bool {
+        let sums = || self.parts.iter().zip(goal.units);
+        let largest = sums().fold(0.0, |m: f64, (s, unit)| m.max(s.value.abs() / unit));
+        let enough = (goal.relative * largest).max(goal.least);
         // Where half of the error is rounding, more boxes are of no use.
-        self.infinite == 0
-            && (self.error <= relative * self.value.abs() || self.error <= 2.0 * self.rounding)
+        sums().all(|(s, unit)| {
+            s.infinite == 0 && (s.error <= enough * unit || s.error <= 2.0 * s.rounding)
+        })
     }
 }
 
-/// The integral over the domains of all surfaces together: for each its part. The boxes go where the errors are.
+/// How accurate several integrals are to be.
+pub(super) struct Goal<'a> {
+    /// The unit of each: errors are measured in it, and relative to the integral that is largest in its unit.
+    pub(super) units: &'a [f64],
+    /// The error aimed at, relative to the largest.
+    pub(super) relative: f64,
+    /// An error that is small enough whatever the integrals are, in units.
+    pub(super) least: f64,
+    /// The most boxes for each surface.
+    pub(super) budget: usize,
+}
+
+impl Goal<'_> {
+    /// One integral.
+    pub(super) fn one(options: &IntegralOptions) -> Self {
+        Self::several(&[1.0], options)
+    }
+
+    /// Several, measured in units.
+    pub(super) fn several<'a>(units: &'a [f64], options: &IntegralOptions) -> Goal<'a> {
+        Goal {
+            units,
+            relative: options.relative,
+            least: 0.0,
+            budget: options.budget,
+        }
+    }
+}
+
+/// The integrals over the domains of all surfaces together: for each surface its parts. The boxes go where the errors
+/// are.
 pub(super) fn integrate(
     surfaces: &[&dyn Surface],
     f: Integrand,
-    options: &IntegralOptions,
-) -> Vec<Interval> {
+    goal: &Goal,
+) -> Vec<Vec<Interval>> {
+    let count = goal.units.len();
     let mut number = 0;
     let mut cell = |surface: usize, uv: [Interval; 2]| {
         number += 1;
-        let (value, rounding, next) = over_box(surfaces[surface], f, uv);
-        let error = if value.is_finite() {
-            value.width()
-        } else {
-            f64::INFINITY
-        };
+        let (parts, next) = over_box(surfaces[surface], f, uv, goal.units);
+        let lessened = parts.iter().zip(goal.units);
         Ranked {
             // What halving can lessen.
-            rank: error - rounding,
+            rank: lessened
+                .map(|(p, unit)| (p.error - p.rounding) / unit)
+                .sum(),
             number,
             item: Cell {
                 surface,
                 uv,
-                value,
-                error,
-                rounding,
+                parts,
                 next,
             },
         }
@@ -275,15 +460,15 @@ pub(super) fn integrate(
         }
     }
     let mut looks = heap.len();
-    let budget = options.budget.saturating_mul(surfaces.len());
-    let mut total = Total::of(&heap);
+    let budget = goal.budget.saturating_mul(surfaces.len());
+    let mut total = Total::of(&heap, count);
     // The differences of sums of large early errors are not trusted for ever.
     let mut recount = 2 * looks;
     while looks < budget {
-        if looks >= recount || total.is_enough(options.relative) {
+        if looks >= recount || total.is_enough(goal) {
             recount = 2 * looks;
-            total = Total::of(&heap);
-            if total.is_enough(options.relative) {
+            total = Total::of(&heap, count);
+            if total.is_enough(goal) {
                 break;
             }
         }
@@ -307,9 +492,11 @@ pub(super) fn integrate(
     }
     let mut cells = heap.into_vec();
     cells.sort_by_key(|c| c.number);
-    let mut sums = vec![Interval::ZERO; surfaces.len()];
+    let mut sums = vec![vec![Interval::ZERO; count]; surfaces.len()];
     for Ranked { item: c, .. } in &cells {
-        sums[c.surface] = sums[c.surface] + c.value;
+        for (sum, part) in sums[c.surface].iter_mut().zip(&c.parts) {
+            *sum = *sum + part.value;
+        }
     }
     sums
 }
@@ -324,10 +511,14 @@ const GAUSS: [[f64; 2]; 4] = [
 /// Subdivisions of each analytic piece, along each direction, for an estimate.
 const COARSE: usize = 8;
 
-/// The integral of a function of the jet of order 1 without proof: the difference of two rules estimates the error.
-pub(super) fn estimate(surface: &dyn Surface, f: &dyn Fn(&[DVec3]) -> f64) -> Measured {
+/// Integrals of functions of the jet of this order without proof: the difference of two rules estimates the errors.
+pub(super) fn estimate<const N: usize>(
+    surface: &dyn Surface,
+    order: usize,
+    f: &dyn Fn(&[DVec3]) -> [f64; N],
+) -> [Measured; N] {
     let rule = |n: usize| {
-        let mut sum = 0.0;
+        let mut sum = [0.0; N];
         let (bu, bv) = (surface.breaks(Dir::U), surface.breaks(Dir::V));
         for a in 0..bu.pieces() * n {
             for b in 0..bv.pieces() * n {
@@ -339,8 +530,11 @@ pub(super) fn estimate(surface: &dyn Surface, f: &dyn Fn(&[DVec3]) -> f64) -> Me
                 let [vm, vh] = part(bv.piece(b / n), b % n);
                 for [s, ws] in GAUSS {
                     for [t, wt] in GAUSS {
-                        let jet = surface.jet([um + s * uh, vm + t * vh], [Limit::Above; 2], 1);
-                        sum += ws * wt * uh * vh * f(&jet.d);
+                        let p = [um + s * uh, vm + t * vh];
+                        let values = f(&surface.jet(p, [Limit::Above; 2], order).d);
+                        for (sum, value) in sum.iter_mut().zip(values) {
+                            *sum += ws * wt * uh * vh * value;
+                        }
                     }
                 }
             }
@@ -348,10 +542,10 @@ pub(super) fn estimate(surface: &dyn Surface, f: &dyn Fn(&[DVec3]) -> f64) -> Me
         sum
     };
     let (coarse, fine) = (rule(COARSE), rule(2 * COARSE));
-    Measured {
-        value: fine,
-        certainty: Certainty::Estimated((fine - coarse).abs()),
-    }
+    std::array::from_fn(|k| Measured {
+        value: fine[k],
+        certainty: Certainty::Estimated((fine[k] - coarse[k]).abs()),
+    })
 }
 
 /// A proven result as a number and its error; the number is as near to `best` as the proof allows.
@@ -365,4 +559,12 @@ pub(super) fn measured(i: Interval, best: f64) -> Measured {
         value,
         certainty: Certainty::Bounded((i.hi - value).max(value - i.lo).next_up()),
     }
+}
+
+/// A bound wider than this share says less about an integral than samples do: they give the number, the bound its error.
+const LOOSE: f64 = 0.01;
+
+/// True if the middle of a bound is a better guess than samples.
+pub(super) fn is_close(i: Interval) -> bool {
+    i.width() <= LOOSE * i.mag()
 }

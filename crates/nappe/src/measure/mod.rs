@@ -1,4 +1,4 @@
-//! Numbers of surfaces: curvature, area, volume, extent, continuity along shared sides, regularity. Each says how far it
+//! Numbers of surfaces: curvature and how it varies, area, volume, centroids, inertia, extent, continuity along shared sides, regularity. Each says how far it
 //! may be from the truth. And what is wrong with them: tears, folds, surfaces that pass through themselves.
 
 use crate::box3::Box3;
@@ -8,35 +8,49 @@ mod along;
 mod apex;
 mod area;
 mod bodies;
+mod centroid;
+mod concave;
 mod continuity;
 mod crease;
 mod curvature;
 mod extent;
+mod fairness;
+mod gauss;
+mod inertia;
 mod integral;
 mod jump;
+mod model;
 mod overlap;
 mod pinch;
 mod regularity;
 mod search;
 mod shape;
+mod solid;
 mod strip;
 mod taylor;
 mod tear;
+mod twin;
 mod volume;
 
 pub use apex::{UnboundedCurvature, unbounded_curvature};
 pub use area::area;
 pub use bodies::{Body, bodies};
+pub use centroid::{AreaCentroid, Centroid, area_centroid, joint_centroid};
+pub use concave::{RollingBall, rolling_balls};
 pub use continuity::{Continuity, SideOf, Smoothness, continuity};
 pub use crease::{Crease, creases};
 pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes};
 pub use extent::{Extent, extent};
+pub use fairness::{curvature_derivative, curvature_variation};
+pub use gauss::{Developable, TotalCurvature, total_curvature};
+pub use inertia::Inertia;
 pub use integral::{IntegralOptions, Measured};
 pub use jump::{Jump, JumpOptions};
 pub use overlap::{Meeting, Overlap, OverlapOptions, Overlaps, overlaps};
 pub use pinch::{Pinch, pinches};
 pub use regularity::{Regularity, regularity};
 pub use search::{Extreme, SearchOptions};
+pub use solid::{Solid, solids};
 pub use tear::tear;
 pub use volume::{Shell, VolumeError, shells, volume};
 

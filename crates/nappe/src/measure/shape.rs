@@ -7,8 +7,6 @@ use crate::breaks::Limit;
 use crate::interval::Interval;
 use crate::surface::{Dir, Surface, jet_index, jet_len};
 
-/// The degree of the Taylor polynomials. Higher degrees need fewer boxes but each costs more.
-pub(super) const DEGREE: usize = 6;
 /// A side whose tangents amount to less than this part of the surface's size is one point. Larger, and the strong
 /// curvature of a short side would be missed; smaller, and rounding would hide poles.
 pub(super) const POINT: f64 = 1e-12;
@@ -16,11 +14,21 @@ pub(super) const POINT: f64 = 1e-12;
 /// smooth; smaller, and rounding would make smooth poles cones.
 pub(super) const PLANE: f64 = 1e-9;
 
-/// The shape operator `[[p, q], [q, s]]` in an orthonormal basis of the tangent plane.
+/// The shape operator `[[p, q], [q, s]]` in an orthonormal basis of the tangent plane, and the metric.
+///
+/// The basis begins with r_u; with ρ = r_v, or beside a pole ρ = r_v / (u - u₀).
 pub(super) struct Shape {
     pub(super) p: Taylor,
     pub(super) q: Taylor,
     pub(super) s: Taylor,
+    /// `r_u·r_u`.
+    pub(super) e: Taylor,
+    /// `r_u·ρ`.
+    pub(super) f: Taylor,
+    /// `|r_u × ρ|²`.
+    pub(super) n2: Taylor,
+    /// `|r_u × ρ|`.
+    pub(super) w: Taylor,
 }
 
 /// The shape operator over a box: enclosures of its Taylor coefficients over the box and at the centre of expansion.
@@ -34,42 +42,45 @@ pub(super) struct ShapeForm {
 }
 
 impl ShapeForm {
-    /// Where nothing can be expanded: the direction in which to halve the box.
+    /// Polynomials of a degree; where nothing can be expanded: the direction in which to halve the box.
     ///
     /// Near a side u = u₀ that is one point, `r_v = (u - u₀) ρ` with a smooth ρ, whose Taylor coefficients are those of
     /// `r_v` moved by one place. If the tangents there lie in one plane, `r_vv·(r_u × ρ)` has the factor (u - u₀)²
     /// likewise, and all powers of u - u₀ cancel.
-    pub(super) fn new(surface: &dyn Surface, uv: [Interval; 2], size: f64) -> Result<Self, usize> {
-        let domain = surface.domain();
-        let mut poles = Vec::new();
-        for d in 0..2 {
-            for (at, end) in [(uv[d].lo, domain[d].lo), (uv[d].hi, domain[d].hi)] {
-                if at == end && is_point(surface, uv, d, at, size) {
-                    poles.push((d, at));
-                }
-            }
-        }
+    pub(super) fn new(
+        surface: &dyn Surface,
+        uv: [Interval; 2],
+        size: f64,
+        degree: usize,
+    ) -> Result<Self, usize> {
+        let poles = poles(surface, uv, size);
         // Beside a pole the normal vanishes, but its factor u - u₀ is no obstacle.
-        Self::expanded(surface, uv, &poles).ok_or_else(|| match poles.len() {
+        Self::expanded(surface, uv, &poles, degree).ok_or_else(|| match poles.len() {
             1 => turning(surface, uv).0,
             _ => halved(surface, uv),
         })
     }
 
-    fn expanded(surface: &dyn Surface, uv: [Interval; 2], poles: &[(usize, f64)]) -> Option<Self> {
+    fn expanded(
+        surface: &dyn Surface,
+        uv: [Interval; 2],
+        poles: &[(usize, f64)],
+        degree: usize,
+    ) -> Option<Self> {
         let (patch, [wide, at]) = match *poles {
             [] => {
-                let patch = Patch::new(surface, uv, DEGREE + 2);
+                let patch = Patch::new(surface, uv, degree + 2);
                 // The basis begins with the longer tangent.
                 let swap = patch.at[2].norm().mid() > patch.at[1].norm().mid();
-                let forms = [&patch.wide, &patch.at].map(|jet| beside(jet, swap));
+                let forms = [&patch.wide, &patch.at].map(|jet| beside(jet, swap, degree));
                 (patch, forms)
             }
             [(d, at)] => {
                 let mut centre = uv.map(Interval::mid);
                 centre[d] = at;
-                let mut patch = Patch::about(surface, uv, centre, DEGREE + 4);
-                let both = [&patch.wide, &patch.at].map(|jet| around(jet, d, at == uv[d].hi));
+                let mut patch = Patch::about(surface, uv, centre, degree + 4);
+                let both =
+                    [&patch.wide, &patch.at].map(|jet| around(jet, d, at == uv[d].hi, degree));
                 if !both[1].1 {
                     return None;
                 }
@@ -92,6 +103,7 @@ impl ShapeForm {
             p: tight(wide.p, &at.p),
             q: tight(wide.q, &at.q),
             s: tight(wide.s, &at.s),
+            ..wide
         };
         let exchanged = poles.iter().any(|p| p.0 == 1);
         let form = Self {
@@ -100,9 +112,23 @@ impl ShapeForm {
             offset,
             exchanged,
         };
-        let Shape { p, q, s } = &form.wide;
+        let Shape { p, q, s, .. } = &form.wide;
         [p, q, s].iter().all(|t| t.is_finite()).then_some(form)
     }
+}
+
+/// The sides of a box that are one point: the parameter across, and its value.
+pub(super) fn poles(surface: &dyn Surface, uv: [Interval; 2], size: f64) -> Vec<(usize, f64)> {
+    let domain = surface.domain();
+    let mut poles = Vec::new();
+    for d in 0..2 {
+        for (at, end) in [(uv[d].lo, domain[d].lo), (uv[d].hi, domain[d].hi)] {
+            if at == end && is_point(surface, uv, d, at, size) {
+                poles.push((d, at));
+            }
+        }
+    }
+    poles
 }
 
 /// The places along a side where it is seen whether the side is a point: a tangent that is analytic along it does not
@@ -136,12 +162,21 @@ fn shape([l, m, k, e, f, n2]: &Forms) -> Shape {
     let q = m.sub(&fp).div(&w);
     let two = Interval::point(2.0);
     let s = e.mul(&k).add(&f.mul(&fp.sub(&m.scale(two)))).div(n2);
-    Shape { p, q, s }
+    let [e, f, n2] = [e, f, n2].map(Taylor::clone);
+    Shape {
+        p,
+        q,
+        s,
+        e,
+        f,
+        n2,
+        w,
+    }
 }
 
-/// Where `r_u × r_v` does not vanish, from a jet of order [`DEGREE`] + 2. With `swap`, u and v change places.
-fn beside(jet: &[Box3], swap: bool) -> Forms {
-    let vector = |d: [usize; 2]| Taylor::vector(jet, d, DEGREE);
+/// Where `r_u × r_v` does not vanish, from a jet of order `degree` + 2. With `swap`, u and v change places.
+fn beside(jet: &[Box3], swap: bool, degree: usize) -> Forms {
+    let vector = |d: [usize; 2]| Taylor::vector(jet, d, degree);
     let (u, v) = (vector([1, 0]), vector([0, 1]));
     let n = Taylor::cross(&u, &v);
     let [l, m, k] = [[2, 0], [1, 1], [0, 2]].map(|d| Taylor::dot(&n, &vector(d)));
@@ -153,9 +188,9 @@ fn beside(jet: &[Box3], swap: bool) -> Forms {
     }
 }
 
-/// Around a side that is one point, across which the parameter `d` runs, from a jet of order [`DEGREE`] + 4: the forms
+/// Around a side that is one point, across which the parameter `d` runs, from a jet of order `degree` + 4: the forms
 /// without the powers of u - u₀. False if the tangents in the pole are not in one plane.
-fn around(jet: &[Box3], d: usize, below: bool) -> (Forms, bool) {
+fn around(jet: &[Box3], d: usize, below: bool, degree: usize) -> (Forms, bool) {
     let turned;
     let jet = if d == 0 {
         jet
@@ -164,12 +199,12 @@ fn around(jet: &[Box3], d: usize, below: bool) -> (Forms, bool) {
         &turned[..]
     };
     let each = |a: &[Taylor; 3], f: &dyn Fn(&Taylor) -> Taylor| [0, 1, 2].map(|k| f(&a[k]));
-    let low = |a: &[Taylor; 3]| each(a, &|t| t.truncated(DEGREE));
-    let rho = each(&Taylor::vector(jet, [0, 1], DEGREE + 3), &|t| t.divided());
+    let low = |a: &[Taylor; 3]| each(a, &|t| t.truncated(degree));
+    let rho = each(&Taylor::vector(jet, [0, 1], degree + 3), &|t| t.divided());
     let rho_u = each(&rho, &|t| t.derivative(Dir::U));
     let rho_v = each(&rho, &|t| t.derivative(Dir::V));
-    let rho = each(&rho, &|t| t.truncated(DEGREE + 1));
-    let u = Taylor::vector(jet, [1, 0], DEGREE + 1);
+    let rho = each(&rho, &|t| t.truncated(degree + 1));
+    let u = Taylor::vector(jet, [1, 0], degree + 1);
     // With the sign of u - u₀, and as exchanged parameters turn the normal over.
     let sign = Interval::point(if below != (d == 1) { -1.0 } else { 1.0 });
     let n = each(&Taylor::cross(&u, &rho), &|t| t.scale(sign));
@@ -177,7 +212,7 @@ fn around(jet: &[Box3], d: usize, below: bool) -> (Forms, bool) {
     let flat = across.c[0].mag() <= PLANE * length(&n) * length(&rho_v);
     let (n, u, rho) = (low(&n), low(&u), low(&rho));
     let forms = [
-        Taylor::dot(&n, &Taylor::vector(jet, [2, 0], DEGREE)),
+        Taylor::dot(&n, &Taylor::vector(jet, [2, 0], degree)),
         Taylor::dot(&n, &low(&rho_u)),
         across.divided(),
         Taylor::square(&u),
@@ -193,7 +228,7 @@ fn length(v: &[Taylor; 3]) -> f64 {
 }
 
 /// The jet with u and v exchanged.
-fn exchanged(jet: &[Box3]) -> Vec<Box3> {
+pub(super) fn exchanged(jet: &[Box3]) -> Vec<Box3> {
     let mut out = jet.to_vec();
     let mut n = 0;
     while jet_len(n) <= jet.len() {

@@ -21,6 +21,14 @@ impl Taylor {
         }
     }
 
+    /// The first variable, measured from the centre, over its range.
+    pub(super) fn variable(range: Interval, degree: usize) -> Self {
+        let mut t = Self::zero(degree);
+        t.c[0] = range;
+        t.c[jet_index(1, 0)] = Interval::ONE;
+        t
+    }
+
     /// One coordinate of `∂ᵃ_u ∂ᵇ_v r`, from a jet of order `degree + a + b` at least.
     pub(super) fn coordinate(jet: &[Box3], axis: usize, [a, b]: [usize; 2], degree: usize) -> Self {
         let mut t = Self::zero(degree);
@@ -143,6 +151,18 @@ impl Taylor {
             t[jet_index(i, j)] = s / (root + root);
         });
         t
+    }
+
+    /// The terms of one degree: coefficients, and the ranges of their monomials.
+    pub(super) fn terms(
+        &self,
+        n: usize,
+        [x, y]: [Interval; 2],
+    ) -> impl Iterator<Item = (Interval, Interval)> {
+        (0..=n).map(move |j| {
+            let monomial = x.powi((n - j) as i32) * y.powi(j as i32);
+            (self.c[jet_index(n - j, j)], monomial)
+        })
     }
 
     /// Calls `f(i, j, coefficients)` by increasing degree.

@@ -1,17 +1,16 @@
 //! The volume inside closed surfaces.
 
-use super::area::normal;
 use super::bodies::{Body, bodies};
-use super::integral::{IntegralOptions, Measured, estimate, integrate, measured};
+use super::integral::{IntegralOptions, Measured};
+use super::solid::{Moments, moments};
 use super::strip::{length, strip};
-use super::taylor::{Patch, Taylor};
 use super::tear::tear;
 use crate::box3::Box3;
+use crate::breaks::Breaks;
 use crate::interval::Interval;
 use crate::mesh::closing::within;
-use crate::mesh::{Certainty, Joint, Joints, joints};
-use crate::surface::{Dir, Side, Surface, SurfaceRef};
-use glam::DVec3;
+use crate::mesh::{Joint, Joints, joints};
+use crate::surface::{Dir, Side, SurfaceRef};
 use std::collections::HashSet;
 use thiserror::Error;
 
@@ -95,6 +94,17 @@ pub fn shells(
     weld: Option<f64>,
     options: &IntegralOptions,
 ) -> Vec<Result<Shell, VolumeError>> {
+    let found = shells_with(surfaces, weld, options, 0).into_iter();
+    found.map(|one| one.map(|(shell, _)| shell)).collect()
+}
+
+/// As [`shells`], with the moments of each up to a degree, 0 or 2.
+pub(super) fn shells_with(
+    surfaces: &[SurfaceRef],
+    weld: Option<f64>,
+    options: &IntegralOptions,
+    degree: usize,
+) -> Vec<Result<(Shell, Moments), VolumeError>> {
     let weld = weld.unwrap_or_else(|| WELD * hull(surfaces.iter()).diagonal());
     let joined = joints(surfaces, weld);
     let mut neighbours = vec![Vec::new(); surfaces.len()];
@@ -106,7 +116,7 @@ pub fn shells(
     let branched = branched(&joined.joints);
     let one = |body: Body| match flaw(surfaces, &joined, &branched, &body, weld) {
         Some(flaw) => Err(flaw),
-        None => Ok(shell(surfaces, &joined, body.parts, weld, options)),
+        None => Ok(shell(surfaces, &joined, body.parts, weld, options, degree)),
     };
     bodies(&neighbours).into_iter().map(one).collect()
 }
@@ -148,10 +158,31 @@ pub fn volume(
     Ok(signed.sum())
 }
 
+/// Parts in each direction for a box around a surface, as enclosures of a whole domain may be much larger than it.
+const PARTS: usize = 4;
+
 /// A box around surfaces.
 fn hull<'a>(surfaces: impl Iterator<Item = &'a SurfaceRef>) -> Box3 {
+    let own = |s: &SurfaceRef| {
+        let [us, vs] = [Dir::U, Dir::V].map(|dir| {
+            let breaks = s.breaks(dir);
+            let each = PARTS.div_ceil(breaks.pieces());
+            let parts = |k: usize| {
+                let piece = breaks.piece(k);
+                let at = move |i: usize| match i {
+                    0 => piece.lo,
+                    _ if i == each => piece.hi,
+                    _ => piece.lo + (piece.hi - piece.lo) * i as f64 / each as f64,
+                };
+                (0..each).map(move |i| Interval::new(at(i), at(i + 1)))
+            };
+            (0..breaks.pieces()).flat_map(parts).collect::<Vec<_>>()
+        });
+        let pairs = us.iter().flat_map(|&u| vs.iter().map(move |&v| [u, v]));
+        pairs.map(|uv| s.bounds(uv)).reduce(Box3::hull)
+    };
     surfaces
-        .map(|s| s.bounds(s.domain()))
+        .filter_map(own)
         .reduce(Box3::hull)
         .unwrap_or(Box3::ZERO)
 }
@@ -163,62 +194,39 @@ fn shell(
     mut body: Vec<(usize, bool)>,
     weld: f64,
     options: &IntegralOptions,
-) -> Shell {
+    degree: usize,
+) -> (Shell, Moments) {
     body.sort_unstable();
     let hull = hull(body.iter().map(|&(k, _)| &surfaces[k]));
-    let centre = if hull.is_finite() {
-        hull.mid()
-    } else {
-        DVec3::ZERO
-    };
-    let third = Interval::ONE / Interval::point(3.0);
-    let flux = |jet: &[Box3], degree: usize| {
-        let n = normal(jet, degree);
-        let terms = [0, 1, 2].map(|axis| {
-            let mut r = Taylor::coordinate(jet, axis, [0, 0], degree);
-            r.c[0] = r.c[0] - Interval::point(centre.to_array()[axis]);
-            r.mul(&n[axis])
-        });
-        terms[0].add(&terms[1]).add(&terms[2]).scale(third)
-    };
-    let integrand = |p: &Patch, degree: usize| [&p.wide, &p.at].map(|j| flux(j, degree));
-    let own: Vec<&dyn Surface> = body.iter().map(|&(k, _)| surfaces[k].as_ref()).collect();
-    let parts = integrate(&own, &integrand, options);
-    let mut sum = Interval::ZERO;
-    let mut proven = true;
-    for ((s, part), &(_, turned)) in own.iter().zip(parts).zip(&body) {
-        let part = if part.is_finite() {
-            part
-        } else {
-            let e = estimate(*s, &|d| (d[0] - centre).dot(d[1].cross(d[2])) / 3.0);
-            proven = false;
-            Interval::point(e.value).inflate(e.certainty.error())
-        };
-        sum = if turned { sum - part } else { sum + part };
-    }
-    let mut result = measured(sum, f64::NAN);
-    if result.value < 0.0 {
-        result.value = -result.value;
+    let own: Vec<_> = body
+        .iter()
+        .map(|&(k, turned)| (surfaces[k].as_ref(), turned))
+        .collect();
+    let mut moments = moments(&own, hull, options, degree);
+    if moments.is_negative() {
+        moments.turn();
         body.iter_mut().for_each(|f| f.1 = !f.1);
     }
     let is_own = |k: usize| body.iter().any(|f| f.0 == k);
     let joints: Vec<&Joint> = joined.joints.iter().filter(|j| is_own(j.first.0)).collect();
     let sides = |&(k, _): &(usize, bool)| joined.collapsed[k].iter().map(move |&s| (k, s));
     let points: Vec<(usize, Side)> = body.iter().flat_map(sides).collect();
-    let reach = 0.5 * hull.diagonal() * ROUND_UP + weld;
-    let enough = options.relative * result.value * STRIP_SHARE / reach;
+    // The distance within which sides were joined: of small surfaces much less than that for the model.
+    let joined_within = body
+        .iter()
+        .flat_map(|&(k, _)| within(surfaces[k].as_ref(), weld));
+    let near = joined_within
+        .map(|w| w.join.max(w.point))
+        .fold(0.0, f64::max);
+    let reach = 0.5 * hull.diagonal() * ROUND_UP + near;
+    let enough = options.relative * moments.volume().mid().abs() * STRIP_SHARE / reach;
     let holes = holes(surfaces, &joints, &points, weld, enough);
-    let missing = holes.area * reach / 3.0;
-    let error = (result.certainty.error() + missing).next_up();
-    result.certainty = if proven && holes.proven && error.is_finite() {
-        Certainty::Bounded(error)
-    } else {
-        Certainty::Estimated(error)
-    };
-    Shell {
+    moments.open(holes.area, near, reach, holes.proven);
+    let shell = Shell {
         surfaces: body,
-        volume: result,
-    }
+        volume: moments.measured(),
+    };
+    (shell, moments)
 }
 
 /// The share of the error that the strips between sides may have before they are bounded more closely. Larger, and they
