@@ -6,6 +6,7 @@ mod completions;
 mod eval;
 mod examples;
 mod info;
+mod project;
 mod render;
 mod report;
 mod schema;
@@ -21,6 +22,7 @@ pub(crate) enum Command {
     Eval(eval::Args),
     Info(info::Args),
     Check(check::Args),
+    Project(project::Args),
     Render(render::Args),
     Schema(schema::Args),
     Examples(examples::Args),
@@ -35,6 +37,7 @@ impl Command {
             Command::Eval(args) => args.run(screen),
             Command::Info(args) => args.run(screen),
             Command::Check(args) => args.run(screen),
+            Command::Project(args) => args.run(screen),
             Command::Render(args) => args.run(screen),
             Command::Schema(args) => args.run(),
             Command::Examples(args) => args.run(screen),

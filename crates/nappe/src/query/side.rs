@@ -27,7 +27,7 @@ pub struct Signed {
 /// What is proven: of all places that may be the nearest, rounding included, the normals were enclosed together with the
 /// ways from there to the point, and all of these are on the same side. So there is no sign on the surface itself, and of
 /// open surfaces none where an open side is nearest, at a pole, and at creases where the sides disagree. Of a closed shell
-/// there is one at these places too: it is that of another point in the ball around the point that no surface enters, for
+/// there is one at these places too: it is that of another point in the ball around it that no surface enters, for
 /// which it is proven in the same way. There must then be room between the point and the shell: a thousand times the distance
 /// within which sides are taken for joined (10⁻⁷ of the diagonal).
 ///
@@ -55,14 +55,14 @@ pub struct SignedFinder {
 
 /// The distance within which sides are joined, as a share of the diagonal.
 const WELD: f64 = 1e-7;
-/// How many times that corners of surfaces that meet may be apart.
+/// How many times that the corners of surfaces that meet may be apart.
 const APART: f64 = 4.0;
-/// How much farther away than that a shell must be for signs that are taken from elsewhere.
+/// How many times that a shell must be away for signs that are taken from elsewhere.
 const ROOM: f64 = 1e3;
-/// How far away from a point its sign is taken from, as a share of the room.
-const ASIDE: f64 = 0.9;
-/// Points around that are tried.
-const AROUND: usize = 8;
+/// How far to go at once to where a sign is taken from, as a share of the room.
+const HOP: f64 = 0.9;
+/// How often: around a tip each turns by about 42°.
+const HOPS: usize = 4;
 /// What is spent on places over which the distance is not convex.
 const EFFORT: Effort = Effort {
     size: 0.0,
@@ -201,26 +201,45 @@ impl SignedFinder {
         }
     }
 
-    /// The side of a shell, as other points see it that no surface parts from this one.
+    /// The side of a shell, as other points see it that no surface parts from this one. The way there leads through balls
+    /// that no surface enters: around the nearest point, which may be a tip that is nearest from almost everywhere, and
+    /// from there to the surface, where its curvature matters less.
     fn around(&self, p: DVec3, nearest: &Nearest, shell: usize) -> Option<bool> {
-        let room = nearest.distance - nearest.certainty.error();
-        if room <= ROOM * self.weld {
-            return None;
-        }
-        let way = (nearest.point - p).try_normalize()?;
-        let (e, f) = way.any_orthonormal_pair();
-        (0..AROUND).find_map(|k| {
-            let (sin, cos) = (k as f64 * std::f64::consts::TAU / AROUND as f64).sin_cos();
-            let q = p + (e * cos + f * sin) * (ASIDE * room);
-            let there = self.finder.nearest(q).ok()?;
-            match self.opinion(q, &there) {
-                Opinion::Agreed(outside)
-                    if self.shells[there.surface].is_some_and(|s| s.0 == shell) =>
-                {
-                    Some(outside)
+        let (e, f) = (nearest.point - p).try_normalize()?.any_orthonormal_pair();
+        let ways = [e, f, e + f, e - f].map(|w| [w, -w]);
+        let beside = ways.into_iter().flatten().find_map(|aside| {
+            let (mut q, mut there) = (p, *nearest);
+            for _ in 0..HOPS {
+                let way = (there.point - q).try_normalize()?;
+                q += aside.reject_from(way).try_normalize()? * (HOP * self.room(&there)?);
+                there = self.finder.nearest(q).ok()?;
+                if let Some(outside) = self.towards(q, there, shell) {
+                    return Some(outside);
                 }
-                _ => None,
             }
-        })
+            None
+        });
+        beside.or_else(|| self.towards(p, *nearest, shell))
+    }
+
+    /// The side of a shell, as seen from some points on the way to its nearest point.
+    fn towards(&self, mut q: DVec3, mut there: Nearest, shell: usize) -> Option<bool> {
+        for _ in 0..HOPS {
+            let room = self.room(&there)?;
+            if let Opinion::Agreed(outside) = self.opinion(q, &there)
+                && self.shells[there.surface].is_some_and(|s| s.0 == shell)
+            {
+                return Some(outside);
+            }
+            q += (there.point - q).try_normalize()? * (HOP * room);
+            there = self.finder.nearest(q).ok()?;
+        }
+        None
+    }
+
+    /// How far away all surfaces are at least, if that is far enough.
+    fn room(&self, nearest: &Nearest) -> Option<f64> {
+        let room = nearest.distance - nearest.certainty.error();
+        (room > ROOM * self.weld).then_some(room)
     }
 }

@@ -50,10 +50,10 @@ pub(super) fn within(finder: &Finder, p: DVec3, reach: f64, effort: &Effort) -> 
             continue;
         }
         let part = node.part.map(|part| &tree.parts[part as usize]);
-        if let Some(part) = part {
-            if part.lower(p) > reach || search.convex(part) {
-                continue;
-            }
+        if let Some(part) = part
+            && (part.lower(p) > reach || search.convex(part))
+        {
+            continue;
         }
         match (node.below, part) {
             (Some(first), _) => open.extend([first + 1, first]),

@@ -1,11 +1,11 @@
 //! Nearest points of curves.
 
 use crate::within;
+use nappe::DVec3;
 use nappe::curve::{CurveRef, Ellipse, Line, Spacing, polyline};
 use nappe::exact::NurbsCurve;
 use nappe::laws::Random;
 use nappe::query::{Finder, FinderOptions, QueryError};
-use nappe::{Curve, DVec3};
 use std::sync::Arc;
 
 fn finder(curves: &[CurveRef], tol: f64) -> Finder {

@@ -1,7 +1,7 @@
 //! On which side of surfaces points are.
 
 use crate::{cube, flat, rough, sphere, torus, within};
-use nappe::curve::{Line, Spacing, polyline};
+use nappe::curve::{Spacing, polyline};
 use nappe::laws::Random;
 use nappe::query::{FinderOptions, SignedFinder};
 use nappe::surface::{
@@ -21,7 +21,7 @@ fn spheres_and_tori_have_an_inside_wherever_their_normals_point() {
     let over = |s: SurfaceRef| -> SurfaceRef { Arc::new(Swapped::new(s)) };
     for surfaces in [[sphere(2.0), torus()], [over(sphere(2.0)), over(torus())]] {
         let finders = surfaces.map(|s| signed(&[s]));
-        for _ in 0..1000 {
+        for _ in 0..300 {
             let p = within(&mut random, 5.0);
             let around = p.truncate().length() - 3.0;
             for (finder, exact) in finders
@@ -47,8 +47,13 @@ fn spheres_and_tori_have_an_inside_wherever_their_normals_point() {
             (DVec3::Z * 4.0, 4.0),
             (DVec3::X * 3.0, -1.0),
         ] {
-            let distance = finders[1].nearest(p).unwrap().distance.unwrap();
-            assert!((distance - exact).abs() < 1e-7, "{p}: {distance} {exact}");
+            let found = finders[1].nearest(p).unwrap();
+            // Many points are equally near: not all parts were looked at.
+            let error = found.nearest.certainty.error();
+            assert!(
+                error < 0.05 && (found.distance.unwrap() - exact).abs() <= error,
+                "{p}: {found:?}"
+            );
         }
     }
 }
@@ -75,10 +80,10 @@ fn the_cube_has_an_inside_at_edges_and_corners_too() {
     }
 }
 
-/// A wedge with an angle of 6°: beside its sharp edge the nearest face alone would tell the wrong side.
+/// Beside a sharp edge or tip the nearest face alone would tell the wrong side.
 #[test]
 fn sharp_edges_and_apices_mislead_nobody() {
-    // A double cone, steep and flat, and a spinning top.
+    // Double cones, a steep one and a flat one.
     let profiles: [&[[f64; 2]]; 2] = [
         &[[0.0, 3.0], [0.1, 0.0], [0.0, -3.0]],
         &[[0.0, 0.1], [3.0, 0.0], [0.0, -0.1]],
@@ -153,8 +158,6 @@ fn creases_have_a_side_where_both_faces_agree() {
     // A roof over the y axis with its ridge at z = 1; the normals point up.
     let [l, r, top] = [-DVec3::X, DVec3::X, DVec3::Z];
     let along = |p: DVec3| [p, p + DVec3::Y];
-    let line = |a: DVec3, b: DVec3| -> Arc<Line> { Arc::new(Line::new(a, b).unwrap()) };
-    let _ = line;
     let roof = [flat([along(l), along(top)]), flat([along(top), along(r)])];
     let both = signed(&roof);
     let above = both.nearest(DVec3::new(0.0, 0.5, 2.0)).unwrap();
@@ -217,7 +220,7 @@ fn domes_and_touching_bodies_are_not_guessed_at() {
         finder.nearest(DVec3::new(0.3, 0.2, -1.0)).unwrap().distance,
         None
     );
-    // Two spheres that touch: seen from between them both agree, from within one it has the say.
+    // Two spheres that touch: seen from outside both agree; where they touch, one says in and the other out.
     let shift = |x: f64| -> SurfaceRef {
         let map = DAffine3::from_translation(DVec3::X * x);
         Arc::new(Transformed::new(sphere(1.0), map).unwrap())
@@ -231,12 +234,13 @@ fn domes_and_touching_bodies_are_not_guessed_at() {
             > 0.0
     );
     assert!(
-        pair.nearest(DVec3::new(-0.5, 0.0, 0.0))
+        pair.nearest(DVec3::new(-0.9, 0.3, 0.2))
             .unwrap()
             .distance
             .unwrap()
             < 0.0
     );
+    assert_eq!(pair.nearest(DVec3::X * -0.5).unwrap().distance, None);
     assert_eq!(pair.nearest(DVec3::ZERO).unwrap().distance, None);
 }
 
