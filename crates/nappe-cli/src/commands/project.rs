@@ -35,9 +35,9 @@ use std::path::PathBuf;
 #[command(after_help = "\
 Examples:
   nappe project duct.nappe.toml --points scan.csv -o deviations.csv --signed
-  nappe project vase.nappe.toml --points scan.parquet --surface body -o nearest.parquet
+  nappe project vase.nappe.toml --points scan.parquet --surface wall -o nearest.parquet
   echo 10,20,30 | nappe project vase.nappe.toml --all
-  nappe project vase.nappe.toml --curve profile --points scan.csv --format jsonl")]
+  nappe project vase.nappe.toml --curve wall --points scan.csv --format jsonl")]
 pub(crate) struct Args {
     #[command(flatten)]
     model: ModelArgs,

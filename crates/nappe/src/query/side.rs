@@ -207,11 +207,12 @@ impl SignedFinder {
     fn around(&self, p: DVec3, nearest: &Nearest, shell: usize) -> Option<bool> {
         let (e, f) = (nearest.point - p).try_normalize()?.any_orthonormal_pair();
         let ways = [e, f, e + f, e - f].map(|w| [w, -w]);
-        let beside = ways.into_iter().flatten().find_map(|aside| {
+        let beside = ways.into_iter().flatten().find_map(|mut aside| {
             let (mut q, mut there) = (p, *nearest);
             for _ in 0..HOPS {
                 let way = (there.point - q).try_normalize()?;
-                q += aside.reject_from(way).try_normalize()? * (HOP * self.room(&there)?);
+                aside = aside.reject_from(way).try_normalize()?;
+                q += aside * (HOP * self.room(&there)?);
                 there = self.finder.nearest(q).ok()?;
                 if let Some(outside) = self.towards(q, there, shell) {
                     return Some(outside);
