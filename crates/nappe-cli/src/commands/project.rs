@@ -20,8 +20,8 @@ use std::path::PathBuf;
 /// status. Nothing of the model is nearer than the distance less the gap: that is proven, rounding included.
 ///
 /// A row that has no answer is put out too, with empty fields. Its status says why: `unreadable` (not three numbers),
-/// `not finite`, or `no distance` (too far away to compute with). The first ten are told with their lines. The status of an
-/// answer whose gap is wider than --tolerance, as where a whole circle is about equally near, is `gap`, that of all
+/// `not finite`, or `no distance` (too far away to compute with). The first ten are told with their lines, and all are
+/// counted; the exit code is 0 all the same. The status of an answer whose gap is wider than --tolerance, as where a whole circle is about equally near, is `gap`, that of all
 /// others `ok`.
 ///
 /// Of closed shells, --signed gives a negative distance inside; of open surfaces, behind the normal r_u × r_v. It is

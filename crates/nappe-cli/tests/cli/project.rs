@@ -94,7 +94,7 @@ fn distances_are_the_closed_forms_and_columns_are_handed_on() {
         );
         let r = (x * x + y * y + z * z).sqrt();
         let (distance, gap) = (number(&row["distance"]), number(&row["gap"]));
-        assert!((distance - (r - 2.0).abs()).abs() <= gap + 1e-13 && gap < 1e-8);
+        assert!((distance - (r - 2.0).abs()).abs() <= gap + 1e-13 && gap < 2e-8);
         let at = ["x", "y", "z"].map(|c| number(&row[c]));
         let off = (0..3).map(|d| (at[d] - p[d]).powi(2)).sum::<f64>().sqrt();
         assert!((off - distance).abs() < 1e-12);
@@ -252,10 +252,34 @@ fn rows_without_an_answer_are_marked_and_told() {
     let input = "id,x,y,z\na,3,0,0\nb,nan,0,0\nc,1,inf,0\nd,1,two,0\ne,1,2\nf,1e300,0,0\n\ng,,0,0\nh,0,0,3\n";
     folder.write("points.csv", input);
     let run = folder.nappe("project model.nappe.toml --points points.csv");
-    assert_snapshot!(
-        "project-unanswered",
-        format!("{}\n{}", run.data(), run.stderr)
+    let rows = table(&run);
+    let status: Vec<String> = rows
+        .iter()
+        .map(|r| format!("{} {}", r["id"], r["status"]))
+        .collect();
+    let expected = [
+        "a ok",
+        "b not finite",
+        "c not finite",
+        "d unreadable",
+        "e unreadable",
+        "f no distance",
+        "g unreadable",
+        "h ok",
+    ];
+    assert_eq!(status, expected);
+    assert!((number(&rows[7]["distance"]) - 1.0).abs() < 1e-7);
+    // What could be read stands there, and nothing where there is no answer.
+    assert_eq!(
+        (rows[3]["px"].as_str(), rows[3]["py"].as_str()),
+        ("1.0", "")
     );
+    assert!(
+        rows[1..7]
+            .iter()
+            .all(|r| r["distance"].is_empty() && r["u"].is_empty())
+    );
+    assert_snapshot!("project-unanswered", run.stderr);
     // Many of them.
     folder.write(
         "many.csv",
@@ -385,7 +409,7 @@ fn coordinates_of_any_size_are_answered_or_marked() {
         let (distance, gap) = (number(&row["distance"]), number(&row["gap"]));
         assert!((distance - exact).abs() <= gap, "{row:?}");
         assert!(
-            gap <= 1e-8 || row["status"] == "gap" && gap <= 1e-12 * exact,
+            gap <= 2e-8 || row["status"] == "gap" && gap <= 1e-12 * exact,
             "{row:?}"
         );
     }

@@ -15,10 +15,10 @@ pub struct Locus {
     pub nearest: Nearest,
     /// A box around all of them.
     pub hull: Box3,
-    /// True if they are one place, as far as the tolerance can tell: the distance is convex wherever they are, or the box is
-    /// not much wider than the places around the foot of a perpendicular that are as near within the tolerance.
-    /// False if they may be a curve (a point on the axis of a torus), a whole surface (the middle of a sphere), or
-    /// several places too close to be told apart.
+    /// True if they are one place, as far as the tolerance can tell: the distance is convex over the parts they are in and
+    /// the minima of these, or else the whole box, are not much wider apart than places around the foot of a perpendicular
+    /// whose distances are equal within the tolerance. False if they may be a curve (a point on the axis of a torus), a
+    /// whole surface (the middle of a sphere), or several places that are connected within the tolerance.
     pub isolated: bool,
 }
 
@@ -48,7 +48,7 @@ impl Finder {
     pub fn all_nearest(&self, p: DVec3, tol: f64) -> Result<Vec<Locus>, QueryError> {
         check_tolerance(tol)?;
         let best = self.nearest(p)?;
-        let reach = best.distance + tol;
+        let reach = self.reach(p, &best) + tol;
         // Within a plane, this far from the foot of a perpendicular, distances are longer by the tolerance.
         let foot = (tol * (2.0 * best.distance + tol)).sqrt();
         let effort = Effort {
@@ -105,6 +105,16 @@ fn locus(found: &[(Hull, Within)], group: &[usize], foot: f64) -> Locus {
     let lower = all().map(|w| w.lower).fold(f64::INFINITY, f64::min);
     let rounding = all().map(|w| w.rounding).fold(0.0, f64::max);
     let distance = length(best.place.half_square);
+    // Minima of neighbours over which the distance is convex may be one on their common side, or several.
+    let places = all().map(|w| Hull {
+        lo: w.place.point,
+        hi: w.place.point,
+    });
+    let wide = if all().all(|w| w.convex) {
+        places.reduce(Hull::join).unwrap_or(hull)
+    } else {
+        hull
+    };
     Locus {
         nearest: Nearest {
             surface: best.surface as usize,
@@ -114,7 +124,7 @@ fn locus(found: &[(Hull, Within)], group: &[usize], foot: f64) -> Locus {
             certainty: Certainty::Bounded((distance - lower).max(0.0) + rounding),
         },
         hull: hull.to_box(),
-        isolated: all().all(|w| w.convex) || (hull.hi - hull.lo).length() <= FOOT * foot,
+        isolated: (wide.hi - wide.lo).length() <= FOOT * foot,
     }
 }
 

@@ -71,7 +71,7 @@ pub enum QueryError {
         point: DVec3,
     },
     /// No finite distance was found.
-    #[error("the point ({}, {}, {}) has no finite distance from the surfaces or curves: it is too far away to compute with, or they are not finite", .point.x, .point.y, .point.z)]
+    #[error("the point ({:e}, {:e}, {:e}) has no finite distance from the surfaces or curves: it is too far away to compute with, or they are not finite", .point.x, .point.y, .point.z)]
     NoDistance {
         /// What was asked for.
         point: DVec3,
@@ -178,6 +178,11 @@ impl Finder {
             distance,
             certainty: Certainty::Bounded(gap),
         })
+    }
+
+    /// The true distance of the nearest point that was found is no longer.
+    pub(super) fn reach(&self, p: DVec3, found: &Nearest) -> f64 {
+        found.distance + found.certainty.error().min(self.tree.rounding(p))
     }
 
     /// What may be left between the distance found and the least that is not excluded, for some rounding errors of points.

@@ -3,7 +3,7 @@
 //! A curve is taken for a surface whose second parameter is always 0 and changes nothing.
 
 use crate::box3::Box3;
-use crate::breaks::{Breaks, inwards};
+use crate::breaks::{Break, Breaks, Limit, inwards};
 use crate::curve::CurveRef;
 use crate::interval::Interval;
 use crate::surface::{Dir, SurfaceRef, jet_len};
@@ -19,7 +19,7 @@ pub(super) enum Shape {
 impl Shape {
     /// The parameters of its analytic pieces.
     pub(super) fn pieces(&self) -> Vec<[Interval; 2]> {
-        let all = |breaks: &[crate::breaks::Break]| -> Vec<Interval> {
+        let all = |breaks: &[Break]| -> Vec<Interval> {
             (0..breaks.pieces()).map(|i| breaks.piece(i)).collect()
         };
         let [us, vs] = match self {
@@ -71,6 +71,8 @@ impl Shape {
     ) {
         let limits = inwards(uv, within);
         match self {
+            // Lists are evaluated faster, from polynomials that are prepared where points fall.
+            Shape::Surface(s) if limits == [Limit::Above; 2] => s.jets(&[uv], order, out),
             Shape::Surface(s) => s.jet_into(uv, limits, order, out),
             Shape::Curve(c) => {
                 let mut jet = [DVec3::ZERO; 3];

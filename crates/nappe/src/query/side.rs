@@ -3,9 +3,10 @@
 use super::nearest::{Finder, FinderOptions, Nearest, QueryError};
 use super::within::{Effort, Within, within};
 use crate::box3::Box3;
+use crate::breaks::Breaks;
 use crate::measure::{IntegralOptions, shells};
 use crate::mesh::joints;
-use crate::surface::{Side, SurfaceRef, in_parallel};
+use crate::surface::{Dir, Side, SurfaceRef, in_parallel};
 use glam::DVec3;
 
 /// The nearest point, and on which side of it a point is.
@@ -26,7 +27,7 @@ pub struct Signed {
 ///
 /// What is proven: of all places that may be the nearest, rounding included, the normals were enclosed together with the
 /// ways from there to the point, and all of these are on the same side. So there is no sign on the surface itself, and of
-/// open surfaces none where an open side is nearest, at a pole, and at creases where the sides disagree. Of a closed shell
+/// open surfaces none where an open side or a tear is nearest, at a pole, and at creases where the sides disagree. Of a closed shell
 /// there is one at these places too: it is that of another point in the ball around it that no surface enters, for
 /// which it is proven in the same way. There must then be room between the point and the shell: a thousand times the distance
 /// within which sides are taken for joined (10⁻⁷ of the diagonal).
@@ -49,7 +50,9 @@ pub struct SignedFinder {
     finder: Finder,
     /// For each surface its shell, and true if its normal points inwards; `None` if it is open.
     shells: Vec<Option<(usize, bool)>>,
+    /// The sides of each that meet no other, and the parameters where it is torn.
     open: Vec<Vec<Side>>,
+    tears: Vec<[Vec<f64>; 2]>,
     weld: f64,
 }
 
@@ -101,6 +104,10 @@ impl SignedFinder {
             finder,
             shells: own,
             open: joints(surfaces, weld).open,
+            tears: surfaces
+                .iter()
+                .map(|s| [Dir::U, Dir::V].map(|dir| s.breaks(dir).below(0)))
+                .collect(),
             weld,
         })
     }
@@ -143,9 +150,7 @@ impl SignedFinder {
 
     /// What all places say that may be the nearest.
     fn opinion(&self, p: DVec3, nearest: &Nearest) -> Opinion {
-        // The distance of the place found is rounded.
-        let error = nearest.certainty.error();
-        let reach = nearest.distance + error.min(self.finder.tree.rounding(p));
+        let reach = self.finder.reach(p, nearest);
         let mut places = within(&self.finder, p, reach, &EFFORT);
         // At a side, the surface that it is joined to has a say too, even if there is a gap.
         if places.iter().any(|w| self.sides(w).next().is_some()) {
@@ -185,7 +190,8 @@ impl SignedFinder {
         if !w.convex {
             return None;
         }
-        if self.sides(w).any(|side| self.open[surface].contains(&side)) {
+        let torn = |d: usize| self.tears[surface][d].iter().any(|&t| w.uv[d].contains(t));
+        if torn(0) || torn(1) || self.sides(w).any(|s| self.open[surface].contains(&s)) {
             return None;
         }
         let jet = shape.enclose(w.uv, 1);

@@ -102,6 +102,22 @@ fn a_wide_tolerance_takes_in_more() {
     );
 }
 
+/// Below a ridge both sides of the roof are as near; with a wide tolerance also all in between.
+#[test]
+fn two_places_of_one_locus_are_not_called_one() {
+    let along = |p: DVec3| [p, p + DVec3::Y];
+    let roof = [
+        flat([along(-DVec3::X), along(DVec3::Z)]),
+        flat([along(DVec3::Z), along(DVec3::X)]),
+    ];
+    let finder = finder(&roof, 1e-9);
+    let p = DVec3::new(0.0, 0.5, 0.2);
+    let two = finder.all_nearest(p, 1e-6).unwrap();
+    assert!(two.len() == 2 && two.iter().all(|l| l.isolated), "{two:#?}");
+    let one = finder.all_nearest(p, 0.3).unwrap();
+    assert!(one.len() == 1 && !one[0].isolated, "{one:#?}");
+}
+
 /// No place outside of the boxes is as near, and each locus has a place that is.
 #[test]
 fn no_sample_outside_of_the_boxes_is_as_near() {

@@ -1,14 +1,15 @@
 //! On which side of surfaces points are.
 
 use crate::{cube, flat, rough, sphere, torus, within};
-use nappe::curve::{Spacing, polyline};
+use nappe::curve::{CurveRef, ExpressionCurve, Spacing, polyline};
+use nappe::expr::Expr;
 use nappe::laws::Random;
 use nappe::query::{FinderOptions, SignedFinder};
 use nappe::surface::{
     Quadric, QuadricOptions, QuadricShape, Revolution, RevolutionOptions, SurfaceRef, Swapped,
     Transformed,
 };
-use nappe::{DAffine3, DVec3, Frame};
+use nappe::{DAffine3, DVec3, Dir, Frame};
 use std::sync::Arc;
 
 fn signed(surfaces: &[SurfaceRef]) -> SignedFinder {
@@ -187,6 +188,22 @@ fn creases_have_a_side_where_both_faces_agree() {
             .unwrap()
             < 0.0
     );
+}
+
+/// A sheet with a step at x = 0.5.
+#[test]
+fn tears_are_open_edges() {
+    let rail = |y: &str| -> CurveRef {
+        let of = |text: &str| Expr::parse(text).unwrap().bind(&["t"], &[]).unwrap();
+        let all = [of("t"), of(y), of("if(t < 0.5, 0, 1)")];
+        Arc::new(ExpressionCurve::new(all, [0.0, 1.0]).unwrap())
+    };
+    let step: SurfaceRef = Arc::new(ruled(rail("0"), rail("1"), Dir::U).unwrap());
+    let finder = signed(&[step]);
+    let at = |x, z| finder.nearest(DVec3::new(x, 0.5, z)).unwrap().distance;
+    assert_eq!(at(0.45, 1.2), None);
+    assert_eq!(at(0.6, -0.05), None);
+    assert!(at(0.3, 0.1).unwrap() > 0.0 && at(0.8, 0.8).unwrap() < 0.0);
 }
 
 #[test]
