@@ -15,14 +15,16 @@ pub struct Locus {
     pub nearest: Nearest,
     /// A box around all of them.
     pub hull: Box3,
-    /// True if they are one place, as far as the tolerance can tell: the distance is convex over the parts they are in and
-    /// the minima of these, or else the whole box, are not much wider apart than places around the foot of a perpendicular
-    /// whose distances are equal within the tolerance. False if they may be a curve (a point on the axis of a torus), a
-    /// whole surface (the middle of a sphere), or several places that are connected within the tolerance.
+    /// True if they are one place, as far as the tolerance can tell: the distance is convex over the parts they are in, and
+    /// the minima of these are no farther apart than the foot of a perpendicular is from places whose distances are equal
+    /// within the tolerance; or else the whole box is not much wider than that. False if they may be a curve (a point on
+    /// the axis of a torus), a whole surface (the middle of a sphere), or several places that are connected within the
+    /// tolerance.
     pub isolated: bool,
 }
 
-/// How many times the width of a foot's surroundings counts as one place.
+/// How many times the way from the foot of a perpendicular to places whose distances are equal within the tolerance a box
+/// may be wide that counts as one place: such places are all around, and parts at their border reach beyond.
 const FOOT: f64 = 8.0;
 
 impl Finder {
@@ -106,14 +108,17 @@ fn locus(found: &[(Hull, Within)], group: &[usize], foot: f64) -> Locus {
     let rounding = all().map(|w| w.rounding).fold(0.0, f64::max);
     let distance = length(best.place.half_square);
     // Minima of neighbours over which the distance is convex may be one on their common side, or several.
-    let places = all().map(|w| Hull {
-        lo: w.place.point,
-        hi: w.place.point,
-    });
-    let wide = if all().all(|w| w.convex) {
-        places.reduce(Hull::join).unwrap_or(hull)
+    let minima = || {
+        all().map(|w| Hull {
+            lo: w.place.point,
+            hi: w.place.point,
+        })
+    };
+    let width = |h: Hull| (h.hi - h.lo).length();
+    let isolated = if all().all(|w| w.convex) {
+        minima().reduce(Hull::join).map_or(0.0, width) <= foot
     } else {
-        hull
+        width(hull) <= FOOT * foot
     };
     Locus {
         nearest: Nearest {
@@ -124,7 +129,7 @@ fn locus(found: &[(Hull, Within)], group: &[usize], foot: f64) -> Locus {
             certainty: Certainty::Bounded((distance - lower).max(0.0) + rounding),
         },
         hull: hull.to_box(),
-        isolated: (wide.hi - wide.lo).length() <= FOOT * foot,
+        isolated,
     }
 }
 

@@ -255,12 +255,17 @@ impl Search<'_> {
     }
 
     fn run(&mut self) {
-        let finder = self.finder;
-        if !finder.tree.nodes.is_empty() {
-            self.node(0, 0.0);
-        }
-        while let Some(Ranked { rank, item, .. }) = self.heap.pop() {
-            let lower = -rank;
+        let tree = &self.finder.tree;
+        // What comes before all in the heap, if that is known.
+        let mut next = (!tree.nodes.is_empty()).then(|| (self.bound(0, 0.0), Item::Node(0)));
+        loop {
+            let (lower, item) = match next.take() {
+                Some(next) => next,
+                None => match self.heap.pop() {
+                    Some(Ranked { rank, item, .. }) => (-rank, item),
+                    None => return,
+                },
+            };
             if lower >= self.limit {
                 // All others are no nearer.
                 self.lower = self.lower.min(lower);
@@ -268,20 +273,19 @@ impl Search<'_> {
             }
             match item {
                 Item::Node(k) => {
-                    let node = &finder.tree.nodes[k as usize];
-                    match (node.below, node.part) {
+                    let node = &tree.nodes[k as usize];
+                    let part = node.part.map(|part| &tree.parts[part as usize]);
+                    match (node.below, part) {
                         (Some(first), part) => {
-                            let part = part.map(|part| &finder.tree.parts[part as usize]);
                             let open = match part {
                                 Some(part) => self.convex(part, lower),
                                 None => Some(lower),
                             };
                             if let Some(lower) = open {
-                                self.node(first, lower);
-                                self.node(first + 1, lower);
+                                next = self.below(first, lower);
                             }
                         }
-                        (None, Some(part)) => self.part(&finder.tree.parts[part as usize], lower),
+                        (None, Some(part)) => self.part(part, lower),
                         (None, None) => {}
                     }
                 }
@@ -290,17 +294,27 @@ impl Search<'_> {
         }
     }
 
-    /// Puts a node into the heap, with the bound of its part if it has one, or that of what it is part of.
-    fn node(&mut self, k: u32, above: f64) {
+    /// Puts two nodes into the heap, but for the nearer one if that comes before all.
+    fn below(&mut self, first: u32, above: f64) -> Option<(f64, Item)> {
+        let [a, b] = [first, first + 1].map(|k| (self.bound(k, above), k));
+        let (near, far) = if b.0 < a.0 { (b, a) } else { (a, b) };
+        self.push(far.0, Item::Node(far.1));
+        if self.heap.peek().is_none_or(|top| near.0 <= -top.rank) {
+            return Some((near.0, Item::Node(near.1)));
+        }
+        self.push(near.0, Item::Node(near.1));
+        None
+    }
+
+    /// The bound of a node: that of its part if it has one, or that of what it is part of.
+    fn bound(&self, k: u32, above: f64) -> f64 {
         let tree = &self.finder.tree;
         let node = &tree.nodes[k as usize];
-        let mut lower = node.hull.distance2(self.p).sqrt().max(above);
-        if let Some(part) = node.part
-            && lower < self.limit
-        {
-            lower = lower.max(tree.parts[part as usize].lower(self.p));
+        let lower = node.hull.distance2(self.p).sqrt().max(above);
+        match node.part {
+            Some(part) if lower < self.limit => lower.max(tree.parts[part as usize].lower(self.p)),
+            _ => lower,
         }
-        self.push(lower, Item::Node(k));
     }
 
     fn improve(&mut self, part: &Part, place: Place) {

@@ -7,7 +7,7 @@ use nappe::laws::Random;
 use nappe::query::{FinderOptions, SignedFinder};
 use nappe::surface::{
     Quadric, QuadricOptions, QuadricShape, Revolution, RevolutionOptions, SurfaceRef, Swapped,
-    Transformed,
+    Transformed, ruled,
 };
 use nappe::{DAffine3, DVec3, Dir, Frame};
 use std::sync::Arc;
