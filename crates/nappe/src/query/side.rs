@@ -32,8 +32,9 @@ pub struct Signed {
 /// which it is proven in the same way. There must then be room between the point and the shell: a thousand times the distance
 /// within which sides are taken for joined (10⁻⁷ of the diagonal).
 ///
-/// What is assumed: that sides which were found to be joined (see [`joints`]) are so along their whole length,
-/// and that a shell does not pass through itself (see [`overlaps`](crate::measure::overlaps)).
+/// What is assumed: that sides which were found to be joined (see [`joints`]) are so along their whole length, that a
+/// shell does not pass through itself (see [`overlaps`](crate::measure::overlaps)), and that the sign of its volume is
+/// right where that can only be estimated (see [`shells`]).
 ///
 /// ```
 /// use nappe::query::{FinderOptions, SignedFinder};
