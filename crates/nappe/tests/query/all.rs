@@ -123,7 +123,7 @@ fn two_places_of_one_locus_are_not_called_one() {
 fn no_sample_outside_of_the_boxes_is_as_near() {
     let mut random = Random(31);
     for surface in [crate::rough(3, 7, false), crate::rough(2, 5, true)] {
-        let finder = finder(&[surface.clone()], 1e-9);
+        let finder = finder(std::slice::from_ref(&surface), 1e-9);
         let domain = surface.domain();
         for round in 0..60 {
             let uv = domain.map(|t| random.within(t));

@@ -35,7 +35,10 @@ fn circles_and_lines_are_as_far_as_the_closed_forms_say() {
     let mut random = Random(41);
     let (a, b) = (DVec3::new(-1.0, 0.5, 2.0), DVec3::new(2.0, 1.0, -1.0));
     let line: CurveRef = Arc::new(Line::new(a, b).unwrap());
-    let (round, straight) = (finder(&[circle()], 1e-9), finder(&[line.clone()], 1e-9));
+    let (round, straight) = (
+        finder(&[circle()], 1e-9),
+        finder(std::slice::from_ref(&line), 1e-9),
+    );
     for _ in 0..2000 {
         let p = within(&mut random, 5.0);
         let found = round.nearest(p).unwrap();
@@ -56,7 +59,7 @@ fn circles_and_lines_are_as_far_as_the_closed_forms_say() {
 fn no_sample_of_a_rough_curve_is_nearer() {
     let mut random = Random(42);
     for curve in [rough(3, 9, false), rough(2, 6, true), rough(6, 12, false)] {
-        let finder = finder(&[curve.clone()], 1e-9);
+        let finder = finder(std::slice::from_ref(&curve), 1e-9);
         let domain = curve.domain();
         for _ in 0..200 {
             let p = within(&mut random, 3.0);

@@ -274,7 +274,7 @@ fn newtons_method_from_many_starts_finds_nothing_nearer() {
     let mut random = Random(22);
     for (degree, points, weights) in [(3, 6, false), (2, 7, true), (4, 8, false)] {
         let surface = rough(degree, points, weights);
-        let finder = finder(&[surface.clone()], 1e-10);
+        let finder = finder(std::slice::from_ref(&surface), 1e-10);
         let domain = surface.domain();
         for _ in 0..40 {
             let uv = domain.map(|t| random.within(t));
@@ -328,7 +328,7 @@ fn no_bound_is_violated_by_many_random_points() {
     let mut random = Random(23);
     let (ball, ring) = (finder(&[sphere(2.0)], 1e-8), finder(&[torus()], 1e-8));
     let surface = rough(3, 7, false);
-    let net = finder(&[surface.clone()], 1e-8);
+    let net = finder(std::slice::from_ref(&surface), 1e-8);
     let domain = surface.domain();
     for k in 0..6_000 {
         let p = within(&mut random, [1.0, 4.0, 50.0][k % 3]);

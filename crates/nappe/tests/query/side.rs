@@ -117,6 +117,48 @@ fn sharp_edges_and_apices_mislead_nobody() {
     }
 }
 
+/// Turned bodies with sharp edges and grooves: polygons in the half plane, seen from the origin star-shaped.
+#[test]
+fn random_turned_polygons_have_the_inside_of_the_polygon() {
+    let mut random = Random(56);
+    let mut undecided = 0;
+    for _ in 0..12 {
+        let corners = 8;
+        let polar = |k: usize, radius: f64| {
+            let (sin, cos) = (std::f64::consts::PI * k as f64 / f64::from(corners)).sin_cos();
+            // From the lower tip on the axis to the upper one.
+            DVec3::new(radius * sin, 0.0, -radius * cos)
+        };
+        let mut profile: Vec<DVec3> = (0..=corners as usize)
+            .map(|k| polar(k, 0.4 + 1.6 * random.unit()))
+            .collect();
+        for tip in [0, corners as usize] {
+            profile[tip].x = 0.0;
+        }
+        let line = polyline(&profile, Spacing::Uniform).unwrap();
+        let options = RevolutionOptions::default();
+        let body = Revolution::new(Arc::new(line), Frame::WORLD, options).unwrap();
+        let finder = signed(&[Arc::new(body)]);
+        for _ in 0..60 {
+            let p = within(&mut random, 2.2);
+            let (r, z) = (p.truncate().length(), p.z);
+            // The triangle from the origin that the point is in the angle of; counter-clockwise.
+            let cross = |a: DVec3, b: DVec3| a.x * b.z - a.z * b.x;
+            let q = DVec3::new(r, 0.0, z);
+            let side = profile
+                .windows(2)
+                .find(|c| cross(c[0], q) >= 0.0 && cross(q, c[1]) >= 0.0);
+            let side = side.unwrap();
+            let inside = cross(side[1] - side[0], q - side[0]) > 0.0;
+            match finder.nearest(p).unwrap().distance {
+                Some(distance) => assert_eq!(distance < 0.0, inside, "{p} {profile:?}"),
+                None => undecided += 1,
+            }
+        }
+    }
+    assert!(undecided <= 3, "{undecided}");
+}
+
 #[test]
 fn open_surfaces_have_the_side_of_their_normal_and_none_beyond_their_edges() {
     let plane = flat([[DVec3::ZERO, DVec3::Y], [DVec3::X, DVec3::X + DVec3::Y]]);
@@ -136,7 +178,7 @@ fn open_surfaces_have_the_side_of_their_normal_and_none_beyond_their_edges() {
     }
     let mut random = Random(54);
     let surface = rough(3, 7, false);
-    let finder = signed(&[surface.clone()]);
+    let finder = signed(std::slice::from_ref(&surface));
     let mut told = 0;
     for _ in 0..500 {
         let uv = surface.domain().map(|t| random.within(t));
