@@ -42,8 +42,7 @@ const BOUNDS: &str = "
   milliseconds, a Diagonal-key surface in space up to a third of a second. Where functions are singular, they are
   evaluated as single points are: such lists cost what their functions cost.
 * **T5, nearest points**: bounds of parts of the surface, best first, from boxes and from the curvature of the distance; then
-  two or three steps of Newton's method with second derivatives, the last of which proves the gap. No list is faster than its
-  points one by one.
+  Newton's method, whose gradients prove the gap. Of the two, the bounds take more time.
 * **T6, mesh**: of coarse meshes, the enclosures that prove the tolerance and the samples of squares with few triangles. Of
   fine ones, about half goes into dividing squares (a quarter of it into samples along sides, a fifth into bounds for their
   parts), a third into evaluating vertices and emitting triangles, and an eighth into first touching fresh memory. The lines

@@ -149,7 +149,8 @@ impl Finder {
 
     /// The nearest point of all surfaces, or curves, to a point; of several that are equally near one. Errors: a coordinate is not finite,
     /// or no distance is. Cost: some tens of boxes and a few evaluations for points much nearer to the surface than it is
-    /// curved, more where the distance has several minima, most where many points are about equally near.
+    /// curved, more where the distance has several minima, most where many points are about equally near. The first points
+    /// on a surface prepare it for lists (see [`Surface::jets`](crate::surface::Surface::jets)).
     pub fn nearest(&self, p: DVec3) -> Result<Nearest, QueryError> {
         if !p.is_finite() {
             return Err(QueryError::Point { point: p });
