@@ -8,9 +8,11 @@ mod failure;
 mod fault;
 mod model;
 mod output;
+mod project;
 mod scene;
 mod screen;
 mod slits;
+mod table;
 mod text;
 
 use clap::Parser;

@@ -5,7 +5,7 @@ use crate::screen::Screen;
 use nappe::curve::CurveRef;
 use nappe::expr::nearest;
 use nappe::surface::SurfaceRef;
-use nappe_model::{Model, Overrides};
+use nappe_model::{Model, NamedSurface, Overrides};
 use std::path::{Path, PathBuf};
 
 /// A model file and values for its parameters.
@@ -73,6 +73,29 @@ pub(crate) fn surface(model: &Model, name: &str) -> Result<SurfaceRef, Problem> 
         &names,
         is_curve.then_some("--curve"),
     ))
+}
+
+/// The surfaces of these names, of surfaces or of objects that make several, each with its name; for no names all that are
+/// put out.
+pub(crate) fn surfaces(
+    model: &Model,
+    names: &[String],
+) -> Result<Vec<(String, SurfaceRef)>, Problem> {
+    let named = |s: &NamedSurface| (s.name.clone(), s.surface.clone());
+    if names.is_empty() {
+        return Ok(model.output().map(named).collect());
+    }
+    let mut all: Vec<(String, SurfaceRef)> = Vec::new();
+    for name in names {
+        let parts = model.surfaces.iter().filter(|s| s.object == *name);
+        let mut parts: Vec<_> = parts.map(named).collect();
+        if parts.is_empty() {
+            parts.push((name.clone(), surface(model, name)?));
+        }
+        parts.retain(|p| all.iter().all(|a| a.0 != p.0));
+        all.extend(parts);
+    }
+    Ok(all)
 }
 
 /// A curve by its name.

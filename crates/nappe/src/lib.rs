@@ -53,6 +53,7 @@
 //! * [`surface`]: the trait [`Surface`], the separable engine [`Separable`] and the kinds built on it.
 //! * [`exact`]: NURBS curves and surfaces, their tools, conversion and approximation.
 //! * [`mesh`](mod@mesh): certified triangles. [`measure`]: area, volume, curvature, continuity, each with its error.
+//! * [`query`]: nearest points, with proofs.
 //! * [`expr`]: formulas as text. [`laws`]: what every curve and surface must obey, as a test of one line.
 //!
 //! # Conventions

@@ -1,12 +1,13 @@
 //! `nappe eval`.
 
-use crate::eval::{self, Grid, Input, OutputFormat, Target};
-use crate::failure::{Failure, Problem};
+use crate::eval::{self, Grid, Input, Target};
+use crate::failure::Failure;
 use crate::model::{self, ModelArgs};
 use crate::output;
 use crate::screen::Screen;
+use crate::table::{self, OutputFormat};
 use nappe::curve::MAX_ORDER;
-use std::io::{self, IsTerminal};
+use std::io;
 use std::path::PathBuf;
 
 /// Evaluate a surface or a curve and its derivatives at many parameters
@@ -65,7 +66,7 @@ pub(crate) struct Args {
 
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
-        let format = self.output_format()?;
+        let format = OutputFormat::choose(self.format, self.output.as_deref())?;
         if let Some(path) = &self.output {
             output::check(path)?;
         }
@@ -78,10 +79,14 @@ impl Args {
             }
         };
         let order = usize::from(self.order);
-        let input = match (&self.grid, &self.uv) {
-            (Some(grid), _) => Input::Grid(*grid),
-            (None, Some(path)) if path.as_os_str() != "-" => Input::file(path)?,
-            (None, _) => Input::standard(&target)?,
+        let columns = eval::columns(&target, order);
+        let input = match &self.grid {
+            Some(grid) => Input::Grid(*grid),
+            None => Input::Table(table::Input::named(
+                self.uv.as_deref(),
+                target.wanted(),
+                ", a grid with --grid N",
+            )?),
         };
         let notes = match &self.output {
             None => {
@@ -89,13 +94,13 @@ impl Args {
                 eval::check(&target, &input, order)?;
                 // One lock for the whole table, and large writes.
                 let out = io::BufWriter::with_capacity(output::BUFFER, io::stdout());
-                let mut sink = format.sink(&target, order, out)?;
+                let mut sink = format.sink(&columns, out)?;
                 let notes = eval::run(&target, &input, order, sink.as_mut())?;
                 sink.finish()?;
                 notes
             }
             Some(path) => output::write_with(path, |out| {
-                let mut sink = format.sink(&target, order, out)?;
+                let mut sink = format.sink(&columns, out)?;
                 let notes = eval::run(&target, &input, order, sink.as_mut())?;
                 sink.finish()?;
                 Ok(notes)
@@ -105,25 +110,5 @@ impl Args {
             screen.note(note);
         }
         Ok(())
-    }
-
-    fn output_format(&self) -> Result<OutputFormat, Failure> {
-        let format = match (self.format, &self.output) {
-            (Some(format), _) => format,
-            (None, None) => OutputFormat::Csv,
-            (None, Some(path)) => OutputFormat::of(path).ok_or_else(|| {
-                Problem::new(format!(
-                    "{}: the ending names no format of tables",
-                    path.display()
-                ))
-                .help("known endings: .csv .jsonl .ndjson .parquet; or say --format")
-            })?,
-        };
-        if format == OutputFormat::Parquet && self.output.is_none() && io::stdout().is_terminal() {
-            return Err(Failure::usage(
-                "--format parquet is binary: write it to a file with -o FILE.parquet, or pipe it on",
-            ));
-        }
-        Ok(format)
     }
 }

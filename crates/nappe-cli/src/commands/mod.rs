@@ -7,6 +7,7 @@ mod eval;
 mod examples;
 mod figures;
 mod info;
+mod project;
 mod render;
 mod report;
 mod schema;
@@ -22,6 +23,7 @@ pub(crate) enum Command {
     Eval(eval::Args),
     Info(info::Args),
     Check(check::Args),
+    Project(project::Args),
     Render(render::Args),
     Schema(schema::Args),
     Examples(examples::Args),
@@ -36,6 +38,7 @@ impl Command {
             Command::Eval(args) => args.run(screen),
             Command::Info(args) => args.run(screen),
             Command::Check(args) => args.run(screen),
+            Command::Project(args) => args.run(screen),
             Command::Render(args) => args.run(screen),
             Command::Schema(args) => args.run(),
             Command::Examples(args) => args.run(screen),

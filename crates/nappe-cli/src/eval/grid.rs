@@ -1,9 +1,8 @@
 //! Uniform grids of parameters.
 
-use super::problems::Problems;
 use super::target::Target;
-use super::{BLOCK, Block, Source};
 use crate::failure::Failure;
+use crate::table::{BLOCK, Block, Problems, Source};
 use nappe::Interval;
 use std::str::FromStr;
 
@@ -98,25 +97,25 @@ impl Source for Rows {
             return Ok(false);
         };
         let Some(second) = self.axes[1] else {
-            block.parameters = first.values(self.next[0], BLOCK as u64);
-            self.next[0] += block.parameters.len() as u64;
-            return Ok(!block.parameters.is_empty());
+            block.numbers = first.values(self.next[0], BLOCK as u64);
+            self.next[0] += block.numbers.len() as u64;
+            return Ok(!block.numbers.is_empty());
         };
         // Whole lines while they are short, parts of one line if it is longer than a block.
         let v = second.values(self.next[1], BLOCK as u64);
         let lines = (BLOCK as u64 / second.count).max(1);
         let u = first.values(self.next[0], lines);
         for &u in &u {
-            block.parameters.extend(v.iter().flat_map(|&v| [u, v]));
+            block.numbers.extend(v.iter().flat_map(|&v| [u, v]));
         }
         self.next[1] += v.len() as u64;
         if self.next[1] == second.count {
             self.next = [self.next[0] + u.len() as u64, 0];
         }
-        if !block.parameters.is_empty() {
+        if !block.numbers.is_empty() {
             block.grid = Some([u, v]);
         }
-        Ok(!block.parameters.is_empty())
+        Ok(!block.numbers.is_empty())
     }
 
     fn name(&self, _: u64, _: Option<usize>) -> String {

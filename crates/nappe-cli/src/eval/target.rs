@@ -1,5 +1,6 @@
 //! What is evaluated: a curve or a surface of a model.
 
+use crate::table::Wanted;
 use nappe::curve::CurveRef;
 use nappe::surface::{SurfaceRef, jet_len};
 use nappe::{DVec3, Interval, Limit};
@@ -18,6 +19,17 @@ impl Target {
         match self {
             Target::Curve(..) => &["t"],
             Target::Surface(..) => &["u", "v"],
+        }
+    }
+
+    /// What a table of parameters must have.
+    pub(crate) fn wanted(&self) -> Wanted {
+        Wanted {
+            columns: self.parameters(),
+            what: "parameters",
+            purpose: format!("{self} is evaluated at {}", self.parameters().join(", ")),
+            option: "--uv",
+            others: false,
         }
     }
 

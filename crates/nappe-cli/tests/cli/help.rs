@@ -3,7 +3,14 @@
 use crate::run::Folder;
 use insta::assert_snapshot;
 
-const COMMANDS: [&str; 5] = ["build", "eval", "schema", "examples", "completions"];
+const COMMANDS: [&str; 6] = [
+    "build",
+    "eval",
+    "project",
+    "schema",
+    "examples",
+    "completions",
+];
 
 #[test]
 fn help_of_every_command() {
@@ -35,6 +42,9 @@ fn a_wrong_command_line_is_exit_code_2() {
         "render a.toml -o a.png --size 3",
         "render a.toml -o a.png --view above",
         "check a.toml --format xml",
+        "project a.toml --tolerance 0",
+        "project a.toml --surface a --curve b",
+        "project a.toml --all --signed",
         "completions ksh",
         "examples a --write b",
         "convert a b",

@@ -9,5 +9,6 @@ mod eval;
 mod examples;
 mod help;
 mod info;
+mod project;
 mod render;
 mod run;

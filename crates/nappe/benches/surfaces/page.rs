@@ -41,6 +41,8 @@ const BOUNDS: &str = "
   by what it does to the surface, is fine. Preparing them takes the first list of a surface up to some tens of
   milliseconds, a Diagonal-key surface in space up to a third of a second. Where functions are singular, they are
   evaluated as single points are: such lists cost what their functions cost.
+* **T5, nearest points**: bounds of parts of the surface, best first, from boxes and from the curvature of the distance; then
+  Newton's method, whose gradients prove the gap. Of the two, the bounds take more time.
 * **T6, mesh**: of coarse meshes, the enclosures that prove the tolerance and the samples of squares with few triangles. Of
   fine ones, about half goes into dividing squares (a quarter of it into samples along sides, a fifth into bounds for their
   parts), a third into evaluating vertices and emitting triangles, and an eighth into first touching fresh memory. The lines
@@ -99,7 +101,8 @@ pub(crate) fn write(rows: &[Row], plots: &[Plot]) {
     .unwrap();
     rows.iter().for_each(|r| page += &cells(r));
     page += "\nT1 grid of positions, T2 with unit normals, T3 scattered points with first derivatives, T3b with second too,\n\
-        T4 as T1 for a rational net; *list1* with first derivatives; T6 a mesh on two threads, for each triangle, proven to that\n\
+        T4 as T1 for a rational net; *list1* with first derivatives; T5 the nearest point of the surface, proven, to points within\n\
+        5 % of the diagonal; T6 a mesh on two threads, for each triangle, proven to that\n\
         share of the diagonal; *mesh* the same for every kind, to a thousandth.\n";
     page += BOUNDS;
     page += "\n## How cost grows\n";

@@ -6,6 +6,7 @@ use crate::memory::last_cache;
 use nappe::exact::NurbsSurface;
 use nappe::laws::Random;
 use nappe::mesh::{self, MeshOptions};
+use nappe::query::{Finder, FinderOptions};
 use nappe::surface::{SurfaceRef, in_parallel, jet_len};
 use nappe::{DVec3, Interval};
 use pulp::bytemuck::Pod;
@@ -16,7 +17,7 @@ use std::time::Instant;
 
 /// One figure.
 pub(crate) struct Row {
-    /// T1 … T4 as in the published targets, or what is done for every kind.
+    /// T1 … T6 as in the published targets, or what is done for every kind.
     pub(crate) task: &'static str,
     pub(crate) kind: String,
     pub(crate) n: usize,
@@ -129,6 +130,9 @@ pub(crate) fn all(quick: bool, names: &[&str]) -> Vec<Row> {
         if std::env::var("NOMESH").is_err() {
             rows.extend(certified(bicubic, &size));
         }
+    }
+    if wanted("nearest points") {
+        rows.push(nearest(bicubic, &size));
     }
     if wanted("one point") {
         rows.push(one_point(bicubic, &size));
@@ -281,6 +285,37 @@ fn one_point(surface: &SurfaceRef, size: &Size) -> Row {
             }
         }),
     )
+}
+
+/// The nearest point to points within a twentieth of the diagonal from the surface, proven, by two threads, and by one (as
+/// `plain`).
+fn nearest(surface: &SurfaceRef, size: &Size) -> Row {
+    let domain = surface.domain();
+    let diagonal = surface.bounds(domain).diagonal();
+    let mut random = Random(7);
+    let points: Vec<DVec3> = (0..10_000)
+        .map(|_| {
+            let uv = domain.map(|t| random.within(t));
+            let jet = surface.jet(uv, Default::default(), 1);
+            let normal = jet.normal().expect("a regular surface");
+            jet.point() + normal * ((2.0 * random.unit() - 1.0) * 0.05 * diagonal)
+        })
+        .collect();
+    let finder = Finder::new(std::slice::from_ref(surface), FinderOptions::default()).unwrap();
+    let on = |threads: usize| {
+        best(size.runs, points.len(), || {
+            black_box(finder.nearest_many(black_box(&points), threads));
+        })
+    };
+    Row {
+        plain: Some(on(1)),
+        ..row(
+            "T5",
+            "nearest points, bicubic, two threads",
+            points.len(),
+            on(2),
+        )
+    }
 }
 
 /// The triangles of a certified mesh within a share of the diagonal, and the time for each.

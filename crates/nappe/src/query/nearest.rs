@@ -1,7 +1,9 @@
 //! The nearest point of some surfaces.
 
 use super::part::{Part, Place, length};
+use super::shape::Shape;
 use super::tree::Tree;
+use crate::curve::CurveRef;
 use crate::mesh::Certainty;
 use crate::parallel;
 use crate::ranked::Ranked;
@@ -40,9 +42,9 @@ impl Default for FinderOptions {
 /// The nearest point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// The index of its surface.
+    /// The index of its surface, or curve.
     pub surface: usize,
-    /// Its parameters.
+    /// Its parameters; on a curve t and 0.
     pub uv: [f64; 2],
     /// The point itself.
     pub point: DVec3,
@@ -59,6 +61,9 @@ pub enum QueryError {
     /// There is no surface.
     #[error("there is no surface to look for the nearest point on: give one or more")]
     NoSurface,
+    /// There is no curve.
+    #[error("there is no curve to look for the nearest point on: give one or more")]
+    NoCurve,
     /// A coordinate is no number or not finite.
     #[error("the point ({}, {}, {}) has a coordinate that is no finite number: leave it out or mend it", .point.x, .point.y, .point.z)]
     Point {
@@ -66,7 +71,7 @@ pub enum QueryError {
         point: DVec3,
     },
     /// No finite distance was found.
-    #[error("the point ({}, {}, {}) has no finite distance from the surfaces: it is too far away to compute with, or they are not finite", .point.x, .point.y, .point.z)]
+    #[error("the point ({:e}, {:e}, {:e}) has no finite distance from the surfaces or curves: it is too far away to compute with, or they are not finite", .point.x, .point.y, .point.z)]
     NoDistance {
         /// What was asked for.
         point: DVec3,
@@ -96,37 +101,56 @@ pub enum QueryError {
 /// assert!((found.distance - 1.0).abs() <= found.certainty.error());
 /// ```
 pub struct Finder {
-    surfaces: Vec<SurfaceRef>,
-    tree: Tree,
-    tol: f64,
-    budget: usize,
+    pub(super) shapes: Vec<Shape>,
+    pub(super) tree: Tree,
+    pub(super) tol: f64,
+    pub(super) budget: usize,
 }
 
 impl Finder {
     /// Prepares some surfaces. Errors: there is none, or the tolerance is no positive length. Cost: some enclosures for each
     /// analytic piece, on all cores.
     pub fn new(surfaces: &[SurfaceRef], options: FinderOptions) -> Result<Self, QueryError> {
-        if surfaces.is_empty() {
-            return Err(QueryError::NoSurface);
+        let shapes = surfaces.iter().cloned().map(Shape::Surface).collect();
+        Self::prepare(shapes, options, QueryError::NoSurface)
+    }
+
+    /// The same for curves: `surface` is then the number of the curve in all answers, and `uv` are t and 0.
+    pub fn on_curves(curves: &[CurveRef], options: FinderOptions) -> Result<Self, QueryError> {
+        let shapes = curves.iter().cloned().map(Shape::Curve).collect();
+        Self::prepare(shapes, options, QueryError::NoCurve)
+    }
+
+    fn prepare(
+        shapes: Vec<Shape>,
+        options: FinderOptions,
+        none: QueryError,
+    ) -> Result<Self, QueryError> {
+        if shapes.is_empty() {
+            return Err(none);
         }
-        if let Some(tol) = options.tol
-            && !(tol > 0.0 && tol.is_finite())
-        {
-            return Err(QueryError::Tolerance { tol });
+        if let Some(tol) = options.tol {
+            check_tolerance(tol)?;
         }
         let threads = options.threads.unwrap_or_else(parallel::all_threads);
-        let tree = Tree::new(surfaces, threads);
+        let tree = Tree::new(&shapes, threads);
         Ok(Self {
             tol: options.tol.unwrap_or(DEFAULT_TOL * tree.diagonal),
-            surfaces: surfaces.to_vec(),
+            shapes,
             tree,
             budget: options.budget,
         })
     }
 
-    /// The nearest point of all surfaces to a point; of several that are equally near one. Errors: a coordinate is not finite,
+    /// The error of distances that is searched for.
+    pub fn tol(&self) -> f64 {
+        self.tol
+    }
+
+    /// The nearest point of all surfaces, or curves, to a point; of several that are equally near one. Errors: a coordinate is not finite,
     /// or no distance is. Cost: some tens of boxes and a few evaluations for points much nearer to the surface than it is
-    /// curved, more where the distance has several minima, most where many points are about equally near.
+    /// curved, more where the distance has several minima, most where many points are about equally near. The first points
+    /// on a surface prepare it for lists (see [`Surface::jets`](crate::surface::Surface::jets)).
     pub fn nearest(&self, p: DVec3) -> Result<Nearest, QueryError> {
         if !p.is_finite() {
             return Err(QueryError::Point { point: p });
@@ -157,6 +181,11 @@ impl Finder {
         })
     }
 
+    /// The true distance of the nearest point that was found is no longer.
+    pub(super) fn reach(&self, p: DVec3, found: &Nearest) -> f64 {
+        found.distance + found.certainty.error().min(self.tree.rounding(p))
+    }
+
     /// What may be left between the distance found and the least that is not excluded, for some rounding errors of points.
     fn gap(&self, rounding: f64) -> f64 {
         (self.tol - rounding).max(ABOVE_ROUNDING * rounding)
@@ -176,6 +205,15 @@ impl Finder {
             }
         });
         out
+    }
+}
+
+/// That a tolerance is a positive, finite length.
+pub(super) fn check_tolerance(tol: f64) -> Result<(), QueryError> {
+    if tol > 0.0 && tol.is_finite() {
+        Ok(())
+    } else {
+        Err(QueryError::Tolerance { tol })
     }
 }
 
@@ -218,12 +256,17 @@ impl Search<'_> {
     }
 
     fn run(&mut self) {
-        let finder = self.finder;
-        if !finder.tree.nodes.is_empty() {
-            self.node(0, 0.0);
-        }
-        while let Some(Ranked { rank, item, .. }) = self.heap.pop() {
-            let lower = -rank;
+        let tree = &self.finder.tree;
+        // What comes before all in the heap, if that is known.
+        let mut next = (!tree.nodes.is_empty()).then(|| (self.bound(0, 0.0), Item::Node(0)));
+        loop {
+            let (lower, item) = match next.take() {
+                Some(next) => next,
+                None => match self.heap.pop() {
+                    Some(Ranked { rank, item, .. }) => (-rank, item),
+                    None => return,
+                },
+            };
             if lower >= self.limit {
                 // All others are no nearer.
                 self.lower = self.lower.min(lower);
@@ -231,20 +274,19 @@ impl Search<'_> {
             }
             match item {
                 Item::Node(k) => {
-                    let node = &finder.tree.nodes[k as usize];
-                    match (node.below, node.part) {
+                    let node = &tree.nodes[k as usize];
+                    let part = node.part.map(|part| &tree.parts[part as usize]);
+                    match (node.below, part) {
                         (Some(first), part) => {
-                            let part = part.map(|part| &finder.tree.parts[part as usize]);
                             let open = match part {
                                 Some(part) => self.convex(part, lower),
                                 None => Some(lower),
                             };
                             if let Some(lower) = open {
-                                self.node(first, lower);
-                                self.node(first + 1, lower);
+                                next = self.below(first, lower);
                             }
                         }
-                        (None, Some(part)) => self.part(&finder.tree.parts[part as usize], lower),
+                        (None, Some(part)) => self.part(part, lower),
                         (None, None) => {}
                     }
                 }
@@ -253,17 +295,27 @@ impl Search<'_> {
         }
     }
 
-    /// Puts a node into the heap, with the bound of its part if it has one, or that of what it is part of.
-    fn node(&mut self, k: u32, above: f64) {
+    /// Puts two nodes into the heap, but for the nearer one if that comes before all.
+    fn below(&mut self, first: u32, above: f64) -> Option<(f64, Item)> {
+        let [a, b] = [first, first + 1].map(|k| (self.bound(k, above), k));
+        let (near, far) = if b.0 < a.0 { (b, a) } else { (a, b) };
+        self.push(far.0, Item::Node(far.1));
+        if self.heap.peek().is_none_or(|top| near.0 <= -top.rank) {
+            return Some((near.0, Item::Node(near.1)));
+        }
+        self.push(near.0, Item::Node(near.1));
+        None
+    }
+
+    /// The bound of a node: that of its part if it has one, or that of what it is part of.
+    fn bound(&self, k: u32, above: f64) -> f64 {
         let tree = &self.finder.tree;
         let node = &tree.nodes[k as usize];
-        let mut lower = node.hull.distance2(self.p).sqrt().max(above);
-        if let Some(part) = node.part
-            && lower < self.limit
-        {
-            lower = lower.max(tree.parts[part as usize].lower(self.p));
+        let lower = node.hull.distance2(self.p).sqrt().max(above);
+        match node.part {
+            Some(part) if lower < self.limit => lower.max(tree.parts[part as usize].lower(self.p)),
+            _ => lower,
         }
-        self.push(lower, Item::Node(k));
     }
 
     fn improve(&mut self, part: &Part, place: Place) {
@@ -283,10 +335,10 @@ impl Search<'_> {
             self.improve(part, part.middle(p));
             return Some(lower);
         }
-        let surface = self.finder.surfaces[part.surface as usize].as_ref();
+        let shape = &self.finder.shapes[part.surface as usize];
         let best = self.best.map_or(f64::INFINITY, |b| b.half_square);
         let tol = self.finder.gap(part.rounding(p));
-        let (place, least) = part.nearest(surface, p, |found, lower| {
+        let (place, least) = part.nearest(shape, p, |found, lower| {
             lower >= length(best.min(found)) - tol
         });
         self.improve(part, place);
@@ -303,7 +355,7 @@ impl Search<'_> {
             return;
         };
         let halves = if self.budget > 0 {
-            part.halves(&self.finder.surfaces)
+            part.halves(&self.finder.shapes)
         } else {
             None
         };

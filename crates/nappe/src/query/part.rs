@@ -6,12 +6,15 @@
 //! `(c - p) · c_ij` but for `|c - p| ρ + R N`, where R bounds `|r - c|`. So `μ`, the least eigenvalue of
 //! `1 + (c - p) · c_ij` less all that is unknown, bounds the curvature of `f` from below, and Taylor's formula bounds `f`:
 //! `f ≥ f₀ + g s + ½ μ |s|²`. Where `μ > 0` it is convex over the part, and any place tells how much less `f` can be
-//! elsewhere: `f ≥ f(x) + ∇f(x) (y - x)`.
+//! elsewhere: `f ≥ f(x) + ∇f(x) (y - x) + ½ μ |s(y) - s(x)|²`.
+//!
+//! A curve is treated as if its second parameter led straight into a dimension of its own, so that `s_2` adds `½ s_2²`; it
+//! is always 0.
 
+use super::shape::Shape;
 use crate::box3::Box3;
-use crate::breaks::inwards;
 use crate::interval::Interval;
-use crate::surface::{Surface, SurfaceRef, jet_len};
+use crate::surface::jet_len;
 use glam::DVec3;
 
 /// A part of a surface in one analytic piece.
@@ -68,6 +71,15 @@ impl Hull {
         }
     }
 
+    pub(super) fn to_box(self) -> Box3 {
+        let of = |lo, hi| Interval { lo, hi };
+        Box3 {
+            x: of(self.lo.x, self.hi.x),
+            y: of(self.lo.y, self.hi.y),
+            z: of(self.lo.z, self.hi.z),
+        }
+    }
+
     /// The squared distance of a point from the box.
     #[inline]
     pub(super) fn distance2(&self, p: DVec3) -> f64 {
@@ -93,7 +105,7 @@ pub(super) struct Place {
 /// How much of the curvature of the distance may be unknown in a part that is not halved beforehand.
 const KNOWN: f64 = 0.25;
 /// The rounding errors of points as a share of the largest coordinate: the accuracy to which every surface is held.
-const EXACTNESS: f64 = 1e-13;
+pub(super) const EXACTNESS: f64 = 1e-13;
 /// Rounding errors as a share of the terms.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Steps of Newton's method at most; it converges in a few.
@@ -102,24 +114,21 @@ const STEPS: usize = 32;
 const HALVINGS: usize = 30;
 
 impl Part {
-    pub(super) fn new(surfaces: &[SurfaceRef], surface: u32, uv: [Interval; 2]) -> Self {
-        let of = surfaces[surface as usize].as_ref();
+    pub(super) fn new(shapes: &[Shape], surface: u32, uv: [Interval; 2]) -> Self {
+        let of = &shapes[surface as usize];
+        let is_curve = uv[1].is_point();
         let jet = of.enclose(uv, 2);
         let middle = uv.map(Interval::mid);
         let mut at = [DVec3::ZERO; jet_len(1)];
-        of.jet_into(middle, inwards(middle, uv), 1, &mut at);
+        of.jet_into(middle, uv, 1, &mut at);
         let [centre, a, b] = at;
-        // The middle is rounded too.
-        let half = [0, 1].map(|d| {
-            let (t, m) = (uv[d], middle[d]);
-            (m - t.lo).max(t.hi - m).next_up()
-        });
+        let half = uv.map(half_width);
         // Orthonormal tangents: `e = a / along` and `(b - (b·e) e) / across`.
         let along = a.length();
         let e = a / along;
-        let shear = b.dot(e);
+        let shear = if is_curve { 0.0 } else { b.dot(e) };
         let aside = b - e * shear;
-        let across = aside.length();
+        let across = if is_curve { 1.0 } else { aside.length() };
         let normal = e.cross(aside / across);
         // Derivatives by s: `r_1 = r_u / along`, `r_2 = r_v / across - k r_u` with `k = shear / (along across)`.
         let n = Interval::point;
@@ -128,7 +137,11 @@ impl Part {
         let r1 = jet[1].scale(p);
         let r2 = jet[2].scale(q) + jet[1].scale(-k);
         let unit = |x: Interval| (x - n(1.0)).mag();
-        let stretch = unit(r1.norm().sqr()).max(unit(r2.norm().sqr())) + r1.dot(r2).mag();
+        let stretch = if is_curve {
+            unit(r1.norm().sqr())
+        } else {
+            unit(r1.norm().sqr()).max(unit(r2.norm().sqr())) + r1.dot(r2).mag()
+        };
         let r11 = jet[3].scale(p * p);
         let r12 = jet[4].scale(p * q) + jet[3].scale(-(k * p));
         let r22 = jet[5].scale(q * q) + jet[4].scale(-(n(2.0) * k * q)) + jet[3].scale(k * k);
@@ -181,7 +194,7 @@ impl Part {
     }
 
     /// The halves across the longer side; `None` if the part is as small as rounding.
-    pub(super) fn halves(&self, surfaces: &[SurfaceRef]) -> Option<[Self; 2]> {
+    pub(super) fn halves(&self, shapes: &[Shape]) -> Option<[Self; 2]> {
         let longer = usize::from(self.first[1].length() > self.first[0].length());
         let d = [longer, 1 - longer]
             .into_iter()
@@ -190,7 +203,7 @@ impl Part {
         let half = |t: Interval| {
             let mut uv = self.uv;
             uv[d] = t;
-            Self::new(surfaces, self.surface, uv)
+            Self::new(shapes, self.surface, uv)
         };
         let Interval { lo, hi } = self.uv[d];
         Some([
@@ -258,13 +271,13 @@ impl Part {
     /// the distance over the part. Ends when `enough` is true for half the squared distance and the bound.
     pub(super) fn nearest(
         &self,
-        surface: &dyn Surface,
+        shape: &Shape,
         p: DVec3,
         enough: impl Fn(f64, f64) -> bool,
     ) -> (Place, f64) {
         let mut uv = self.uv.map(Interval::mid);
         let (mut best, mut lower) = (self.middle(p), f64::NEG_INFINITY);
-        let mut now = self.tangents(surface, p, uv);
+        let mut now = self.tangents(shape, p, uv);
         for _ in 0..STEPS {
             if now.half_square < best.half_square {
                 best = Place {
@@ -274,13 +287,7 @@ impl Part {
                     ..best
                 };
             }
-            // Where the gradient leads out of the box, nothing is lost.
-            let gain = |d: usize| {
-                let (t, g) = (self.uv[d], now.gradient[d]);
-                (g * (t.lo - uv[d])).min(g * (t.hi - uv[d]))
-            };
-            let least = now.half_square + gain(0) + gain(1);
-            lower = f64::max(lower, self.distance(least, p));
+            lower = f64::max(lower, self.distance(self.least(&now, uv), p));
             if enough(best.half_square, lower) {
                 break;
             }
@@ -297,7 +304,7 @@ impl Part {
                 if to == uv {
                     break;
                 }
-                let there = self.tangents(surface, p, to);
+                let there = self.tangents(shape, p, to);
                 if there.half_square <= now.half_square {
                     next = Some((to, there));
                     break;
@@ -312,9 +319,62 @@ impl Part {
         (best, lower)
     }
 
-    fn tangents(&self, surface: &dyn Surface, p: DVec3, uv: [f64; 2]) -> Local {
+    /// The least value of the tangent plane of half the squared distance.
+    fn least(&self, at: &Local, uv: [f64; 2]) -> f64 {
+        // Where the gradient leads out of the box, nothing is lost.
+        let gain = |d: usize| {
+            let (t, g) = (self.uv[d], at.gradient[d]);
+            (g * (t.lo - uv[d])).min(g * (t.hi - uv[d]))
+        };
+        at.half_square + gain(0) + gain(1)
+    }
+
+    /// Of a part where the distance is convex: the parameters of all places that are within `reach`, as seen from one of
+    /// its places; none if there are none.
+    pub(super) fn within(
+        &self,
+        shape: &Shape,
+        p: DVec3,
+        at: [f64; 2],
+        reach: f64,
+    ) -> Option<[Interval; 2]> {
+        let local = self.tangents(shape, p, at);
+        let lower = self.distance(self.least(&local, at), p).max(0.0);
+        if lower > reach {
+            return None;
+        }
+        let e = self.centre - p;
+        // `½ lower² + ½ μ |s|² ≤ ½ reach²`, and `s = (along du + shear dv, across dv)`.
+        let square = (reach - lower) * (reach + lower) / self.curvature(e, e.length());
+        let radius = square.sqrt() * (1.0 + 1e-12);
+        let half = self.uv.map(half_width);
+        let [a, b] = [0, 1].map(|d| self.first[d] / half[d]);
+        let along = a.length();
+        let shear = b.dot(a) / along;
+        let across = (b - a * (shear / along)).length();
+        let dv = radius / across;
+        let du = (radius + shear.abs() * dv) / along;
+        let steps = if self.uv[1].is_point() {
+            [radius / along, 0.0]
+        } else {
+            [du, dv]
+        };
+        Some([0, 1].map(|d| {
+            let (t, step) = (self.uv[d], steps[d] * (1.0 + 1e-12));
+            // What is not finite tells nothing.
+            if !step.is_finite() {
+                return t;
+            }
+            Interval {
+                lo: (at[d] - step).next_down().max(t.lo),
+                hi: (at[d] + step).next_up().min(t.hi),
+            }
+        }))
+    }
+
+    fn tangents(&self, shape: &Shape, p: DVec3, uv: [f64; 2]) -> Local {
         let mut jet = [DVec3::ZERO; jet_len(2)];
-        surface.jet_into(uv, inwards(uv, self.uv), 2, &mut jet);
+        shape.jet_into(uv, self.uv, 2, &mut jet);
         let [point, a, b, aa, ab, bb] = jet;
         let e = point - p;
         Local {
@@ -338,7 +398,7 @@ impl Part {
         } = *at;
         let held = [0, 1].map(|d| {
             let (t, g) = (self.uv[d], at.gradient[d]);
-            (uv[d] <= t.lo && g > 0.0) || (uv[d] >= t.hi && g < 0.0)
+            t.is_point() || (uv[d] <= t.lo && g > 0.0) || (uv[d] >= t.hi && g < 0.0)
         });
         let step = match held {
             [true, true] => return None,
@@ -351,6 +411,12 @@ impl Part {
         };
         (step[0].is_finite() && step[1].is_finite()).then_some(step)
     }
+}
+
+/// How far the ends are from the middle, which is rounded too.
+fn half_width(t: Interval) -> f64 {
+    let m = t.mid();
+    (m - t.lo).max(t.hi - m).next_up()
 }
 
 /// The distance at a place with its derivatives by u and v.

@@ -1,11 +1,10 @@
 //! Parts of surfaces in a tree of boxes.
 
-use super::part::{Hull, Part};
+use super::part::{EXACTNESS, Hull, Part};
+use super::shape::Shape;
 use crate::box3::Box3;
-use crate::breaks::Breaks;
 use crate::interval::Interval;
 use crate::parallel;
-use crate::surface::{Dir, SurfaceRef};
 use glam::DVec3;
 
 /// About the most parts of a piece that are made beforehand, and how often it is halved: at poles more tells nothing.
@@ -33,27 +32,18 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    pub(super) fn new(surfaces: &[SurfaceRef], threads: usize) -> Self {
-        let pieces: Vec<(u32, [Interval; 2])> = surfaces
+    pub(super) fn new(shapes: &[Shape], threads: usize) -> Self {
+        let pieces: Vec<(u32, [Interval; 2])> = shapes
             .iter()
             .enumerate()
-            .flat_map(|(k, surface)| {
-                let [u, v] = [Dir::U, Dir::V].map(|dir| -> Vec<Interval> {
-                    let breaks = surface.breaks(dir);
-                    (0..breaks.pieces()).map(|i| breaks.piece(i)).collect()
-                });
-                let pairs = u
-                    .into_iter()
-                    .flat_map(move |u| v.clone().into_iter().map(move |v| [u, v]));
-                pairs.map(move |uv| (k as u32, uv))
-            })
+            .flat_map(|(k, shape)| shape.pieces().into_iter().map(move |uv| (k as u32, uv)))
             .collect();
-        let bounds = surfaces.iter().map(|s| s.bounds(s.domain()));
+        let bounds = shapes.iter().map(Shape::bounds);
         let around = bounds.filter(|b| b.is_finite()).reduce(Box3::hull);
         let diagonal = around.map_or(0.0, Box3::diagonal);
         let of = |k: usize| {
             let (surface, uv) = pieces[k];
-            Divided::new(surfaces, Part::new(surfaces, surface, uv), diagonal)
+            Divided::new(shapes, Part::new(shapes, surface, uv), diagonal)
         };
         let pieces = parallel::each(threads, pieces.len(), of, |_| false);
         let mut tree = Self {
@@ -70,6 +60,13 @@ impl Tree {
             tree.branch(0, pieces);
         }
         tree
+    }
+
+    /// The rounding errors of all points, and of the ways to a point.
+    pub(super) fn rounding(&self, p: DVec3) -> f64 {
+        let corners = self.nodes.first().map(|n| [n.hull.lo, n.hull.hi, p]);
+        let sizes = corners.into_iter().flatten().map(|c| c.abs().max_element());
+        EXACTNESS * sizes.fold(0.0, f64::max)
     }
 
     /// Puts pieces below a node: halves of them by their middles along the longest side of their box.
@@ -137,7 +134,7 @@ struct Divided {
 }
 
 impl Divided {
-    fn new(surfaces: &[SurfaceRef], whole: Part, size: f64) -> Self {
+    fn new(shapes: &[Shape], whole: Part, size: f64) -> Self {
         let mut out = Self {
             parts: vec![whole],
             halves: vec![None],
@@ -148,7 +145,7 @@ impl Divided {
         while k < out.parts.len() && out.parts.len() < PARTS {
             if depths[k] < DEPTH
                 && !out.parts[k].is_known(size)
-                && let Some(halves) = out.parts[k].halves(surfaces)
+                && let Some(halves) = out.parts[k].halves(shapes)
             {
                 out.halves[k] = Some(out.parts.len());
                 out.parts.extend(halves);

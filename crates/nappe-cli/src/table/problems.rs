@@ -7,7 +7,7 @@ const MOST: usize = 10;
 
 /// What is wrong with the rows of a table: the first of them are told, the others counted.
 #[derive(Debug, Default)]
-pub(super) struct Problems {
+pub(crate) struct Problems {
     /// With the row of each, in this order.
     told: Vec<(u64, Problem)>,
     more: u64,
@@ -15,7 +15,7 @@ pub(super) struct Problems {
 
 impl Problems {
     /// Adds one. Rows come nearly in their order: what cannot be read is found before what is outside the domain.
-    pub(super) fn push(&mut self, row: u64, problem: impl FnOnce() -> Problem) {
+    pub(crate) fn push(&mut self, row: u64, problem: impl FnOnce() -> Problem) {
         let at = self.told.partition_point(|(r, _)| *r <= row);
         if at < MOST {
             self.told.insert(at, (row, problem()));
@@ -28,11 +28,12 @@ impl Problems {
         }
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.told.is_empty()
     }
 
-    fn list(self) -> Vec<Problem> {
+    /// The first of them, and how many more there are.
+    pub(crate) fn list(self) -> Vec<Problem> {
         let mut list: Vec<Problem> = self.told.into_iter().map(|(_, p)| p).collect();
         if self.more > 0 {
             let what = if self.more == 1 {
@@ -48,7 +49,7 @@ impl Problems {
         list
     }
 
-    pub(super) fn result(self) -> Result<(), Failure> {
+    pub(crate) fn result(self) -> Result<(), Failure> {
         if self.is_empty() {
             Ok(())
         } else {
@@ -57,7 +58,7 @@ impl Problems {
     }
 
     /// What was found until reading stopped, and why it stopped.
-    pub(super) fn before(self, stopped: Failure) -> Failure {
+    pub(crate) fn before(self, stopped: Failure) -> Failure {
         match stopped {
             Failure::Problems(why) => {
                 let found = self.list().into_iter().map(|p| Box::new(p) as _);

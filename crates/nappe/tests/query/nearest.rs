@@ -1,66 +1,14 @@
 //! The nearest point: closed forms, and brute force on surfaces without one.
 
-#![allow(clippy::unwrap_used)]
-
+use crate::{check, finder, rough, sphere, torus, within};
 use nappe::curve::{CurveRef, ExpressionCurve, Spacing, polyline};
 use nappe::exact::NurbsSurface;
 use nappe::expr::Expr;
 use nappe::laws::Random;
-use nappe::query::{Finder, FinderOptions, Nearest, QueryError};
-use nappe::surface::{
-    Quadric, QuadricOptions, QuadricShape, SurfaceRef, Torus, TorusOptions, Transformed,
-};
+use nappe::query::{Finder, FinderOptions, QueryError};
+use nappe::surface::{Quadric, QuadricOptions, QuadricShape, Surface, SurfaceRef, Transformed};
 use nappe::{DAffine3, DVec3, Dir};
 use std::sync::Arc;
-
-fn finder(surfaces: &[SurfaceRef], tol: f64) -> Finder {
-    let options = FinderOptions {
-        tol: Some(tol),
-        ..FinderOptions::default()
-    };
-    Finder::new(surfaces, options).unwrap()
-}
-
-fn sphere(radius: f64) -> SurfaceRef {
-    let options = QuadricOptions::default();
-    Arc::new(Quadric::new(QuadricShape::Sphere, &[radius], options).unwrap())
-}
-
-fn torus() -> SurfaceRef {
-    Arc::new(Torus::new(3.0, 1.0, TorusOptions::default()).unwrap())
-}
-
-/// A net of heights and shifts.
-fn rough(degree: usize, points: usize, weights: bool) -> SurfaceRef {
-    let mut random = Random(12);
-    let net: Vec<DVec3> = (0..points * points)
-        .map(|k| {
-            let [x, y] = [k / points, k % points].map(|i| i as f64);
-            let mut shift = || 0.6 * random.unit();
-            DVec3::new(x + shift(), y + shift(), 3.0 * shift())
-        })
-        .collect();
-    let weights: Option<Vec<f64>> =
-        weights.then(|| net.iter().map(|_| 0.5 + random.unit()).collect());
-    let knots = nappe::basis::BSplineBasis::clamped_uniform(degree, points);
-    let knots = [knots.clone(), knots];
-    Arc::new(NurbsSurface::new([degree; 2], knots, &net, weights.as_deref()).unwrap())
-}
-
-/// A point in a box around the origin.
-fn within(random: &mut Random, size: f64) -> DVec3 {
-    let mut number = || size * (2.0 * random.unit() - 1.0);
-    DVec3::new(number(), number(), number())
-}
-
-/// What every answer is held to.
-fn check(surfaces: &[SurfaceRef], p: DVec3, found: &Nearest, tol: f64) {
-    let point = surfaces[found.surface].point(found.uv);
-    assert!(point.distance(found.point) <= 1e-12 * (1.0 + p.length()));
-    assert!((found.distance - p.distance(found.point)).abs() <= 1e-12 * (1.0 + p.length()));
-    let error = found.certainty.error();
-    assert!(error <= tol, "{p}: {error} of {tol}");
-}
 
 #[test]
 fn distances_from_spheres_and_tori_are_the_closed_forms() {
@@ -291,4 +239,120 @@ fn surfaces_whose_whole_enclosure_is_infinite_are_found() {
         "{found:?}"
     );
     assert!(found.certainty.error() <= 1e-9);
+}
+
+#[test]
+fn cones_find_their_apex_and_cylinders_their_edges() {
+    let options = QuadricOptions::default();
+    let of = |shape, axes: &[f64]| -> SurfaceRef {
+        Arc::new(Quadric::new(shape, axes, options).unwrap())
+    };
+    // Upwards from the apex in the origin, 45 degrees steep, up to z = 1.
+    let cone = finder(&[of(QuadricShape::Cone, &[1.0, 1.0, 1.0])], 1e-9);
+    // Of radius 1, from z = 0 to z = 2.
+    let cylinder = finder(&[of(QuadricShape::Cylinder, &[1.0])], 1e-9);
+    let mut random = Random(21);
+    for _ in 0..500 {
+        let p = within(&mut random, 3.0);
+        let (r, z) = (p.truncate().length(), p.z);
+        // The segment from (0, 0) to (1, 1).
+        let s = (0.5 * (r + z)).clamp(0.0, 1.0);
+        let found = cone.nearest(p).unwrap();
+        assert!((found.distance - (r - s).hypot(z - s)).abs() <= 1e-9, "{p}");
+        assert!(found.certainty.error() <= 1e-9, "{p}: {found:?}");
+        let exact = (r - 1.0).hypot(z - z.clamp(0.0, 2.0));
+        let found = cylinder.nearest(p).unwrap();
+        assert!((found.distance - exact).abs() <= 1e-9, "{p}");
+    }
+    // Straight below the apex, where all directions meet.
+    let found = cone.nearest(-2.0 * DVec3::Z).unwrap();
+    assert!((found.distance - 2.0).abs() <= 1e-9 && found.certainty.error() <= 1e-9);
+}
+
+#[test]
+fn newtons_method_from_many_starts_finds_nothing_nearer() {
+    let mut random = Random(22);
+    for (degree, points, weights) in [(3, 6, false), (2, 7, true), (4, 8, false)] {
+        let surface = rough(degree, points, weights);
+        let finder = finder(std::slice::from_ref(&surface), 1e-10);
+        let domain = surface.domain();
+        for _ in 0..40 {
+            let uv = domain.map(|t| random.within(t));
+            let p = surface.point(uv) + within(&mut random, 1.5);
+            let found = finder.nearest(p).unwrap();
+            let mut best = f64::INFINITY;
+            for i in 0..=24 {
+                for j in 0..=24 {
+                    let start = [(0, i), (1, j)]
+                        .map(|(d, k)| domain[d].lo + domain[d].width() * f64::from(k) / 24.0);
+                    best = best.min(descended(surface.as_ref(), p, start));
+                }
+            }
+            // Nothing nearer than is proven, and the answer itself is no worse than the best of all starts.
+            assert!(best >= found.distance - found.certainty.error(), "{p}");
+            assert!(found.distance <= best + 1e-10, "{p}: {found:?}, {best}");
+        }
+    }
+}
+
+/// The distance after some steps of Gauss and Newton from a place, within the domain.
+fn descended(surface: &dyn Surface, p: DVec3, mut uv: [f64; 2]) -> f64 {
+    let domain = surface.domain();
+    let mut best = surface.point(uv).distance(p);
+    for _ in 0..25 {
+        let d = surface.jet(uv, Default::default(), 1).d;
+        let (e, a, b) = (d[0] - p, d[1], d[2]);
+        let (aa, ab, bb) = (a.dot(a), a.dot(b), b.dot(b));
+        let (g, h, det) = (e.dot(a), e.dot(b), aa * bb - ab * ab);
+        let step = [(ab * h - bb * g) / det, (ab * g - aa * h) / det];
+        let mut share = 1.0;
+        loop {
+            let to = [0, 1].map(|k| (uv[k] + share * step[k]).clamp(domain[k].lo, domain[k].hi));
+            let distance = surface.point(to).distance(p);
+            if distance < best {
+                (uv, best) = (to, distance);
+                break;
+            }
+            share *= 0.5;
+            if share < 1e-6 {
+                return best;
+            }
+        }
+    }
+    best
+}
+
+/// Many points of all kinds on a few surfaces: every answer is on the surface, and no bound is above what is known.
+#[test]
+fn no_bound_is_violated_by_many_random_points() {
+    let mut random = Random(23);
+    let (ball, ring) = (finder(&[sphere(2.0)], 1e-8), finder(&[torus()], 1e-8));
+    let surface = rough(3, 7, false);
+    let net = finder(std::slice::from_ref(&surface), 1e-8);
+    let domain = surface.domain();
+    for k in 0..6_000 {
+        let p = within(&mut random, [1.0, 4.0, 50.0][k % 3]);
+        for (finder, exact) in [
+            (&ball, (p.length() - 2.0).abs()),
+            (
+                &ring,
+                ((p.truncate().length() - 3.0).hypot(p.z) - 1.0).abs(),
+            ),
+        ] {
+            let found = finder.nearest(p).unwrap();
+            let rounding = 1e-13 * (3.0 + p.length());
+            assert!(found.distance >= exact - rounding, "{p}");
+            assert!(
+                found.distance - found.certainty.error() <= exact + rounding,
+                "{p}"
+            );
+        }
+        let uv = domain.map(|t| random.within(t));
+        let way = within(&mut random, 0.5);
+        let found = net.nearest(surface.point(uv) + way).unwrap();
+        assert!(
+            found.distance - found.certainty.error() <= way.length(),
+            "{uv:?}"
+        );
+    }
 }

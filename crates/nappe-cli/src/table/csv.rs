@@ -1,8 +1,7 @@
-//! Tables of parameters as text.
+//! Tables as text.
 
 use super::problems::Problems;
-use super::target::Target;
-use super::{BLOCK, Block, Notes, Source};
+use super::{BLOCK, Block, Notes, Source, Wanted};
 use crate::failure::{Failure, Problem};
 use std::io::{BufRead, Read};
 use std::ops::Range;
@@ -12,18 +11,20 @@ const LONGEST_LINE: u64 = 1 << 20;
 /// Characters of a field that a message shows.
 const MOST_SHOWN: usize = 40;
 
-/// A table of parameters: comma-separated, with a header that names the columns in any order, or without one and with
-/// the parameters alone in their order. Empty lines and lines that begin with `#` are skipped.
+/// A table: comma-separated, with a header that names the columns in any order, or without one and with
+/// the wanted columns alone in their order. Empty lines and lines that begin with `#` are skipped.
 ///
 /// A field may stand in quotes, with quotes in it doubled; it ends in the line where it begins. So every row has one
 /// line, and every field a column, which messages name.
 pub(super) struct Rows<'a, R> {
     input: R,
     name: String,
-    parameters: &'static [&'static str],
-    target: &'a Target,
-    /// Where each parameter stands in a row.
+    wanted: &'a Wanted,
+    /// Where each wanted column stands in a row.
     at: Vec<usize>,
+    /// Where the columns stand that are handed on, and their names.
+    others: Vec<usize>,
+    other_names: Vec<String>,
     /// The number of columns of every row.
     width: usize,
     /// The line that was read last, its number, and its fields without blanks and quotes.
@@ -32,33 +33,43 @@ pub(super) struct Rows<'a, R> {
     fields: Vec<Range<usize>>,
     /// True if the line holds a row that was read but not given out.
     pending: bool,
+    /// The bytes in all, and those that were read.
+    size: u64,
+    done: u64,
 }
 
 impl<'a, R: BufRead> Rows<'a, R> {
     /// Reads the first line and takes it as a header if nothing in it is a number.
     pub(super) fn open(
         input: R,
+        size: u64,
         name: String,
-        target: &'a Target,
+        wanted: &'a Wanted,
         notes: &mut Notes,
     ) -> Result<Self, Failure> {
-        let parameters = target.parameters();
+        let width = wanted.columns.len();
         let mut rows = Rows {
             input,
             name,
-            parameters,
-            target,
-            at: (0..parameters.len()).collect(),
-            width: parameters.len(),
+            wanted,
+            at: (0..width).collect(),
+            others: Vec::new(),
+            other_names: Vec::new(),
+            width,
             line: Vec::new(),
             number: 0,
             fields: Vec::new(),
             pending: false,
+            size,
+            done: 0,
         };
         rows.pending = rows.read()?;
         if rows.pending && (0..rows.fields.len()).all(|i| rows.value(i).is_none()) {
             rows.take_header(notes)?;
             rows.pending = false;
+        } else if rows.pending && wanted.others && rows.fields.len() != width {
+            // Every row would be wrong.
+            return Err(rows.wrong_count().into());
         }
         Ok(rows)
     }
@@ -79,12 +90,16 @@ impl<'a, R: BufRead> Rows<'a, R> {
             if read == 0 {
                 return Ok(false);
             }
+            self.done += read as u64;
             if read as u64 > LONGEST_LINE {
                 return Err(Problem::new(format!(
-                    "{}:{}: the line is longer than {LONGEST_LINE} bytes: this is no table of parameters",
-                    self.name, self.number
+                    "{}:{}: the line is longer than {LONGEST_LINE} bytes: this is no table of {}",
+                    self.name, self.number, self.wanted.what
                 ))
-                .help("write one row of parameters in each line, or give a Parquet file")
+                .help(format!(
+                    "write one row of {} in each line, or give a Parquet file",
+                    self.wanted.what
+                ))
                 .into());
             }
             // Some programs begin their texts with this mark.
@@ -106,13 +121,37 @@ impl<'a, R: BufRead> Rows<'a, R> {
         let text = |f: &Range<usize>| String::from_utf8_lossy(&self.line[f.clone()]).into_owned();
         let columns: Vec<String> = self.fields.iter().map(text).collect();
         let place = self.name(self.number, None);
-        self.at = super::find_columns(&columns, self.target, &place, notes)?;
+        let [at, others] = super::find_columns(&columns, self.wanted, &place)?;
+        if self.wanted.others {
+            self.other_names = others.iter().map(|&i| columns[i].clone()).collect();
+            self.others = others;
+        } else {
+            super::unused(&columns, &others, &place, notes);
+        }
+        self.at = at;
         self.width = columns.len();
         Ok(())
     }
 
+    /// What stands in a field; nothing if the line has fewer.
     fn text(&self, field: usize) -> &[u8] {
-        &self.line[self.fields[field].clone()]
+        self.fields
+            .get(field)
+            .map_or(&[], |f| &self.line[f.clone()])
+    }
+
+    /// What a field means: inside quotes two stand for one.
+    fn meaning(&self, field: usize) -> String {
+        let text = String::from_utf8_lossy(self.text(field));
+        let quoted = self
+            .fields
+            .get(field)
+            .is_some_and(|f| f.start > 0 && self.line[f.start - 1] == b'"');
+        if quoted {
+            text.replace("\"\"", "\"")
+        } else {
+            text.into_owned()
+        }
     }
 
     fn value(&self, field: usize) -> Option<f64> {
@@ -130,32 +169,36 @@ impl<'a, R: BufRead> Rows<'a, R> {
             + 1
     }
 
-    /// Appends the row that was read, or says what is wrong with it.
+    /// Appends the row that was read, and says what is wrong with it.
     fn take_row(&self, block: &mut Block, problems: &mut Problems) {
         let line = self.number;
-        if self.fields.len() != self.width {
+        let whole = self.fields.len() == self.width;
+        let mut good = whole;
+        if !whole {
             problems.push(line, || self.wrong_count());
-            return;
         }
-        let before = block.parameters.len();
         for (k, &at) in self.at.iter().enumerate() {
-            match self.value(at) {
-                Some(p) => block.parameters.push(p),
-                None => problems.push(line, || self.no_number(k)),
+            let value = self.value(at);
+            if whole && value.is_none() {
+                problems.push(line, || self.no_number(k));
+                good = false;
             }
+            block.numbers.push(value.unwrap_or(f64::NAN));
         }
-        if block.parameters.len() < before + self.at.len() {
-            block.parameters.truncate(before);
-            return;
+        if !good {
+            block.bad.push(block.places.len());
         }
         block.places.push(line);
-        let columns = self.at.iter().map(|&at| self.column(at));
-        block.columns.extend(columns);
+        let column = |&at: &usize| self.column(at.min(self.fields.len() - 1));
+        block.columns.extend(self.at.iter().map(column));
+        for &at in &self.others {
+            block.others.push(&self.meaning(at));
+        }
     }
 
     fn wrong_count(&self) -> Problem {
-        let expected = if self.width == self.parameters.len() {
-            self.parameters.join(",")
+        let expected = if self.width == self.wanted.columns.len() {
+            self.wanted.columns.join(",")
         } else {
             "as many as the header".to_owned()
         };
@@ -178,7 +221,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
         Problem::new(format!(
             "{}: {} is `{shown}{rest}`, not a number",
             self.name(self.number, Some(self.column(at))),
-            self.parameters[k],
+            self.wanted.columns[k],
         ))
         .help("numbers are written as 0.25 or 2.5e-1, with a point")
     }
@@ -239,6 +282,14 @@ impl<R: BufRead> Source for Rows<'_, R> {
     fn name(&self, line: u64, column: Option<usize>) -> String {
         let column = column.map_or(String::new(), |c| format!(":{c}"));
         format!("{}:{line}{column}", self.name)
+    }
+
+    fn others(&self) -> &[String] {
+        &self.other_names
+    }
+
+    fn share(&self) -> f64 {
+        self.done as f64 / self.size.max(1) as f64
     }
 }
 
