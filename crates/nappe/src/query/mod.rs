@@ -4,8 +4,18 @@
 //! The files: `part` bounds the distance over a part of a surface, `tree` keeps parts of all surfaces so that few of them
 //! are looked at, `nearest` searches.
 
+mod cells;
+mod chains;
+mod extended;
+mod field;
 mod nearest;
 mod part;
+mod path;
+mod trace;
 mod tree;
+mod tube;
 
+pub use field::{ExpressionField, Field, FieldJet, FormulaField};
+pub use path::Path;
+pub use trace::{Branch, BranchEnd, Trace, TraceError, TraceOptions, Undecided, trace};
 pub use nearest::{Finder, FinderOptions, Nearest, QueryError};
