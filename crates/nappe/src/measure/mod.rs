@@ -12,6 +12,7 @@ mod continuity;
 mod crease;
 mod curvature;
 mod extent;
+mod figures;
 mod integral;
 mod jump;
 mod overlap;
@@ -31,6 +32,10 @@ pub use continuity::{Continuity, SideOf, Smoothness, continuity};
 pub use crease::{Crease, creases};
 pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes};
 pub use extent::{Extent, extent};
+pub use figures::CurvatureKind;
+pub(crate) use figures::{
+    FigureJet, NormalFigure, Pole, curvature_over, height_over, normal_over, poles,
+};
 pub use integral::{IntegralOptions, Measured};
 pub use jump::{Jump, JumpOptions};
 pub use overlap::{Meeting, Overlap, OverlapOptions, Overlaps, overlaps};

@@ -20,6 +20,7 @@
 use super::extended::Extended;
 use super::field::Field;
 use crate::interval::Interval;
+use crate::surface::Dir;
 use std::collections::{HashMap, VecDeque};
 
 /// Where a cell is cut: not where models like to have their symmetries. One for each attempt.
@@ -293,23 +294,19 @@ impl Division<'_> {
     }
 }
 
-/// The fields of a domain divided at its jumps.
-pub(super) fn pieces<'a>(field: &'a dyn Field, within: [Interval; 2]) -> Vec<Extended<'a>> {
-    use crate::surface::Dir;
-    let cuts = [Dir::U, Dir::V].map(|dir| {
+/// A rectangle divided where fields jump.
+pub(super) fn rectangles(fields: &[&dyn Field], within: [Interval; 2]) -> Vec<[Interval; 2]> {
+    let ranges = [Dir::U, Dir::V].map(|dir| {
         let w = within[dir as usize];
-        let mut at = vec![w.lo];
-        at.extend(field.jumps(dir).into_iter().filter(|&x| w.lo < x && x < w.hi));
-        at.push(w.hi);
-        at
-    });
-    let ranges = cuts.map(|at| {
+        let jumps = fields.iter().flat_map(|f| f.jumps(dir));
+        let mut at: Vec<f64> = jumps.filter(|&x| w.lo < x && x < w.hi).collect();
+        at.extend([w.lo, w.hi]);
+        at.sort_by(f64::total_cmp);
+        at.dedup();
         at.windows(2)
             .map(|w| Interval { lo: w[0], hi: w[1] })
             .collect::<Vec<_>>()
     });
-    ranges[0]
-        .iter()
-        .flat_map(|&u| ranges[1].iter().map(move |&v| Extended::new(field, [u, v])))
-        .collect()
+    let pairs = ranges[0].iter().flat_map(|&u| ranges[1].iter().map(move |&v| [u, v]));
+    pairs.collect()
 }

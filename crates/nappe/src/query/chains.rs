@@ -87,7 +87,7 @@ fn partners(arcs: &[Arc]) -> Vec<[Option<(usize, usize)>; 2]> {
 }
 
 /// The numbers of boxes that touch each other, directly or through others.
-pub(super) fn clusters(boxes: &[[Interval; 2]]) -> Vec<Vec<usize>> {
+pub(super) fn clusters<const N: usize>(boxes: &[[Interval; N]]) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..boxes.len()).collect();
     order.sort_by(|&a, &b| boxes[a][0].lo.total_cmp(&boxes[b][0].lo));
     let mut parent: Vec<usize> = (0..boxes.len()).collect();
@@ -98,7 +98,7 @@ pub(super) fn clusters(boxes: &[[Interval; 2]]) -> Vec<Vec<usize>> {
         }
         k
     }
-    // A sweep along u: boxes that may still be touched.
+    // A sweep along the first: boxes that may still be touched.
     let mut active: Vec<usize> = Vec::new();
     for &k in &order {
         active.retain(|&a| boxes[a][0].hi >= boxes[k][0].lo);
@@ -120,6 +120,6 @@ pub(super) fn clusters(boxes: &[[Interval; 2]]) -> Vec<Vec<usize>> {
 }
 
 /// True if two boxes have a point in common.
-pub(super) fn touch(a: [Interval; 2], b: [Interval; 2]) -> bool {
-    (0..2).all(|d| a[d].intersection(b[d]).is_some())
+pub(super) fn touch<const N: usize>(a: [Interval; N], b: [Interval; N]) -> bool {
+    (0..N).all(|d| a[d].intersection(b[d]).is_some())
 }

@@ -246,7 +246,7 @@ pub(super) fn value(b: &Cubic, s: f64) -> [f64; 2] {
 }
 
 /// The part of a cubic between two parameters, by de Casteljau's scheme.
-fn section(b: &Cubic, from: f64, to: f64) -> Cubic {
+pub(super) fn section(b: &Cubic, from: f64, to: f64) -> Cubic {
     let mix = |a: [f64; 2], b: [f64; 2], s: f64| [0, 1].map(|d| a[d] + s * (b[d] - a[d]));
     // The part up to s, and the part from there.
     let halves = |b: &Cubic, s: f64| {

@@ -1,6 +1,6 @@
 //! All curves on which a function of two parameters is zero.
 
-use super::cells::{Cells, CellsError, divide, pieces};
+use super::cells::{Cells, CellsError, divide, rectangles};
 use super::chains::{Chain, chains, clusters, touch};
 use super::extended::{Extended, MARGIN};
 use super::field::Field;
@@ -192,14 +192,18 @@ pub fn trace(f: &dyn Field, options: &TraceOptions) -> Result<Trace, TraceError>
     let tol = options.tol.unwrap_or_else(|| {
         DEFAULT_TOL * surface.map_or_else(|| within[0].width().hypot(within[1].width()), size)
     });
-    let pieces = pieces(f, within);
+    let pieces = rectangles(&[f], within);
     let mut trace = Trace::default();
     let mut budget = options.budget;
     let mut empty = 0;
-    for &piece in &pieces {
+    for &rect in &pieces {
+        let piece = Extended::new(f, rect);
         let share = (options.budget / pieces.len()).max(1000);
         let cells = match divide(piece, share) {
-            Ok(cells) => cells,
+            Ok(mut cells) => {
+                absorb(&mut cells, piece);
+                cells
+            }
             Err(CellsError::Zero(uv)) => return Err(TraceError::Zero(uv)),
             Err(CellsError::NoValue) => {
                 empty += 1;
@@ -225,6 +229,35 @@ pub fn trace(f: &dyn Field, options: &TraceOptions) -> Result<Trace, TraceError>
         au.total_cmp(&bu).then(av.total_cmp(&bv))
     });
     Ok(trace)
+}
+
+/// Cells below this width, relative to the rectangle, say nothing of their own between cells that are not decided.
+const SMALL: f64 = 1.0 / (1u64 << 12) as f64;
+
+/// Beside a cusp or an almost double curve cells are decided here and there. Branches of small cells that begin and end at
+/// places that are not decided are made parts of these: then each such place is one.
+fn absorb(cells: &mut Cells, piece: Extended) {
+    let outer = piece.outer;
+    let mut open = vec![false; cells.arcs.len()];
+    for chain in chains(&cells.arcs) {
+        let (first, last) = (chain.arcs[0], chain.arcs[chain.arcs.len() - 1]);
+        let inner = |(k, c): (usize, usize)| {
+            let crossing = cells.arcs[k].crossings[c];
+            let border = outer[crossing.d];
+            crossing.at != border.lo && crossing.at != border.hi
+        };
+        let small = |&(k, _): &(usize, usize)| {
+            (0..2).all(|d| cells.arcs[k].uv[d].width() <= SMALL * outer[d].width())
+        };
+        if !chain.closed && inner(first) && inner((last.0, 1 - last.1)) && chain.arcs.iter().all(small) {
+            chain.arcs.iter().for_each(|&(k, _)| open[k] = true);
+        }
+    }
+    let (lost, kept) = cells.arcs.iter().zip(&open).partition::<Vec<_>, _>(|x| *x.1);
+    let lost: Vec<_> = lost.into_iter().map(|x| x.0.uv).collect();
+    let kept = kept.into_iter().map(|x| *x.0).collect();
+    cells.open.extend(lost);
+    cells.arcs = kept;
 }
 
 /// Makes branches from the cells of one piece.

@@ -3,12 +3,12 @@
 //! Let the arc be a graph `v = h(u)` and let `f_v` keep away from zero, `|f_v| ≥ m`, over a box that holds the arc and a
 //! piece `(u(s), v(s))` of the path between the same parameters u. Then by the mean value theorem
 //! `|v(s) - h(u(s))| ≤ |f(u(s), v(s))| / m`: the residual bounds the distance, both ways, along v. Of the residual
-//! `g(s) = f(u(s), v(s))` the ends and an enclosure of `g''` are known: `|g| ≤ max(|g(0)|, |g(1)|) + max |g''| / 8`. For a
-//! cubic with the tangents of the arc that is of the third order. On a surface the bound is multiplied by `|r_v|`.
+//! `g(s) = f(u(s), v(s))` the ends and an enclosure of `g''` are known: `|g| ≤ max(|g(0)|, |g(1)|) + max |g''| / 8`, and
+//! likewise on each section of it. On a surface the bound is multiplied by `|r_v|`.
 
 use super::cells::{Arc, Crossing};
-use super::extended::Extended;
-use super::path::{Cubic, Part};
+use super::extended::{Extended, Slopes};
+use super::path::{Cubic, Part, section, value};
 use crate::interval::Interval;
 use crate::surface::{Surface, enclose_direct};
 
@@ -18,6 +18,10 @@ const STEPS: usize = 100;
 const NARROWEST: f64 = 1e-12;
 /// Pieces that are halved this many times over have found rounding, not shape.
 const DEEPEST: usize = 48;
+
+/// How often a cubic is halved before its residual is found too great: its bound is of the third order, the residual of
+/// the fourth, so that few cubics with many bounds are better than many cubics.
+const SECTIONS: usize = 3;
 
 /// A place of the arc.
 #[derive(Clone, Copy, Debug)]
@@ -293,10 +297,8 @@ impl<'a> Tube<'a> {
                 }
             }
         }
-        let path = b.iter().fold([Interval::point(b[0][0]), Interval::point(b[0][1])], |h, p| {
-            [0, 1].map(|k| h[k].hull(Interval::point(p[k])))
-        });
-        let all = place(d, span, height.hull(path[o]));
+        let path = b.iter().fold(Interval::point(b[0][o]), |h, p| h.hull(Interval::point(p[o])));
+        let all = place(d, span, height.hull(path));
         let all = [0, 1].map(|k| Interval {
             lo: all[k].lo.max(self.f.outer[k].lo),
             hi: all[k].hi.min(self.f.outer[k].hi),
@@ -306,38 +308,66 @@ impl<'a> Tube<'a> {
         if steep.is_nan() || steep <= 0.0 {
             return None;
         }
-        // The residual.
-        let path = [0, 1].map(|k| Interval {
-            lo: path[k].lo.max(self.f.rect[k].lo),
-            hi: path[k].hi.min(self.f.rect[k].hi),
+        let stretch = self.stretch(all);
+        let enough = self.tol * steep / stretch[o].max(f64::MIN_POSITIVE);
+        let residual = self.residual(b, [from.residual, to.residual], &slopes, enough, SECTIONS)?;
+        let off = residual / steep;
+        // At the ends path and arc may begin a rounding apart.
+        let late = [from, to].map(|k| (k.zero[d] - Interval::point(k.uv[d])).mag());
+        let late = late[0].max(late[1]);
+        let climb = (slopes[1 + d] / slopes[1 + o]).mag();
+        let error = stretch[o] * off + late * (stretch[d] + stretch[o] * climb);
+        (error * (1.0 + 1e-14)).is_finite().then_some(error * (1.0 + 1e-14))
+    }
+
+    /// A bound for |f| on a cubic, given that at its ends and enclosures of the slopes around it. Where that is more than
+    /// `enough` the cubic is halved some times.
+    fn residual(
+        &self,
+        b: &Cubic,
+        ends: [f64; 2],
+        slopes: &Slopes,
+        enough: f64,
+        halvings: usize,
+    ) -> Option<f64> {
+        let path = [0, 1].map(|k| {
+            let (lo, hi) = b.iter().fold((b[0][k], b[0][k]), |(l, h), p| (l.min(p[k]), h.max(p[k])));
+            let r = self.f.rect[k];
+            Interval { lo: lo.clamp(r.lo, r.hi), hi: hi.clamp(r.lo, r.hi) }
         });
         let j = self.f.jet(path)?;
         let three = Interval::point(3.0);
         let difference = |i: usize, k: usize| Interval::point(b[i + 1][k]) - Interval::point(b[i][k]);
         let first = [0, 1].map(|k| {
-            (0..3).map(|i| three * difference(i, k)).reduce(Interval::hull).unwrap_or(Interval::ENTIRE)
+            let [x, y, z] = [0, 1, 2].map(|i| three * difference(i, k));
+            x.hull(y).hull(z)
         });
         let second = [0, 1].map(|k| {
             let at = |i: usize| Interval::point(6.0) * (difference(i + 1, k) - difference(i, k));
             at(0).hull(at(1))
         });
-        let two = Interval::point(2.0);
+        let (fu, fv) = (slopes[1].meet(j[1]), slopes[2].meet(j[2]));
         let bend = j[3] * first[0].sqr()
-            + two * j[4] * first[0] * first[1]
+            + Interval::point(2.0) * j[4] * first[0] * first[1]
             + j[5] * first[1].sqr()
-            + slopes[1] * second[0]
-            + slopes[2] * second[1];
-        let way = slopes[1] * first[0] + slopes[2] * first[1];
-        let ends = from.residual.max(to.residual);
-        let between = (bend.mag() / 8.0).min(way.mag() / 2.0);
-        let off = (ends + between) / steep;
-        // At the ends path and arc may begin a rounding apart.
-        let late = [from, to].map(|k| (k.zero[d] - Interval::point(k.uv[d])).mag());
-        let late = late[0].max(late[1]);
-        let climb = (slopes[1 + d] / slopes[1 + o]).mag();
-        let stretch = self.stretch(all);
-        let error = stretch[o] * off + late * (stretch[d] + stretch[o] * climb);
-        (error * (1.0 + 1e-14)).is_finite().then_some(error * (1.0 + 1e-14))
+            + fu * second[0]
+            + fv * second[1];
+        let way = fu * first[0] + fv * first[1];
+        let known = ends[0].max(ends[1]);
+        let bound = known + (bend.mag() / 8.0).min(way.mag() / 2.0);
+        if bound <= enough || halvings == 0 || known > 0.5 * enough {
+            return Some(bound);
+        }
+        let middle = self.f.jet(self.f.clamp(value(b, 0.5)).map(Interval::point))?[0].mag();
+        if middle > 0.5 * enough {
+            return Some(bound);
+        }
+        let half = |from: f64, to: f64, ends: [f64; 2]| {
+            self.residual(&section(b, from, to), ends, slopes, enough, halvings - 1)
+        };
+        let first = half(0.0, 0.5, [ends[0], middle])?;
+        let second = if first <= enough { half(0.5, 1.0, [middle, ends[1]])? } else { first };
+        Some(if first <= enough { first.max(second) } else { bound })
     }
 
     /// How far a step of the parameters goes at most.

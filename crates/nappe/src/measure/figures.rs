@@ -1,0 +1,191 @@
+//! Figures of a surface, enclosed with their derivatives to order 2: what curves of constant figure are traced with.
+
+use super::shape::ShapeForm;
+use super::taylor::Taylor;
+use crate::box3::Box3;
+use crate::breaks::Limit;
+use crate::interval::Interval;
+use crate::surface::{Surface, jet_len};
+use glam::DVec3;
+
+/// Enclosures of `f, f_u, f_v, f_uu, f_uv, f_vv`.
+pub(crate) type FigureJet = [Interval; 6];
+
+/// Nothing is known.
+const UNKNOWN: FigureJet = [Interval::ENTIRE; 6];
+
+/// A curvature.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CurvatureKind {
+    /// The mean of the principal curvatures.
+    Mean,
+    /// The product of the principal curvatures.
+    Gaussian,
+    /// The larger principal curvature.
+    K1,
+    /// The smaller principal curvature.
+    K2,
+}
+
+/// The derivatives in the coefficients of a Taylor polynomial of degree 2 or more.
+fn jet(t: &Taylor) -> FigureJet {
+    let two = Interval::point(2.0);
+    [t.c[0], t.c[1], t.c[2], two * t.c[3], t.c[4], two * t.c[5]]
+}
+
+fn constant(v: DVec3) -> [Interval; 3] {
+    v.to_array().map(Interval::point)
+}
+
+/// `a · v`.
+fn along(a: &[Taylor; 3], v: DVec3) -> Taylor {
+    let [x, y, z] = constant(v);
+    a[0].scale(x).add(&a[1].scale(y)).add(&a[2].scale(z))
+}
+
+/// A curvature over a box in one analytic piece of a surface of the given size.
+pub(crate) fn curvature_over(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    size: f64,
+    kind: CurvatureKind,
+) -> FigureJet {
+    let Ok(form) = ShapeForm::new(surface, uv, size) else {
+        return UNKNOWN;
+    };
+    let half = Interval::point(0.5);
+    let [wide, at] = [&form.wide, &form.at].map(|f| {
+        let mean = f.p.add(&f.s).scale(half);
+        match kind {
+            CurvatureKind::Mean => mean,
+            CurvatureKind::Gaussian => f.p.mul(&f.s).sub(&f.q.sqr()),
+            CurvatureKind::K1 | CurvatureKind::K2 => {
+                let off = f.p.sub(&f.s).scale(half);
+                let radius = off.sqr().add(&f.q.sqr()).sqrt();
+                if kind == CurvatureKind::K1 { mean.add(&radius) } else { mean.sub(&radius) }
+            }
+        }
+    });
+    let t = if at.is_finite() { wide.tightened(&at, form.offset) } else { wide };
+    let mut j = jet(&t);
+    if form.exchanged {
+        j.swap(1, 2);
+        j.swap(3, 5);
+    }
+    j
+}
+
+/// `n · (r - p)` over a box in one analytic piece.
+pub(crate) fn height_over(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    p: DVec3,
+    n: DVec3,
+) -> FigureJet {
+    let mut jet = [Box3::ENTIRE; jet_len(2)];
+    surface.enclose_piece(uv, [Limit::Above; 2], 2, &mut jet);
+    jet[0] = jet[0] - Box3::point(p);
+    jet.map(|d| d.dot(Box3::point(n)))
+}
+
+/// A side that is one point: the parameter that is constant along it, its value, and whether it is the upper end.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pole {
+    pub(crate) d: usize,
+    pub(crate) at: f64,
+    pub(crate) upper: bool,
+}
+
+/// Places along a side where it is seen whether it is a point.
+const PLACES: usize = 17;
+
+/// The sides of a surface that are one point, within rounding.
+pub(crate) fn poles(surface: &dyn Surface, size: f64) -> Vec<Pole> {
+    let domain = surface.domain();
+    let mut poles = Vec::new();
+    for d in 0..2 {
+        for (at, upper) in [(domain[d].lo, false), (domain[d].hi, true)] {
+            let mut limit = [Limit::Above; 2];
+            if upper {
+                limit[d] = Limit::Below;
+            }
+            let other = domain[1 - d];
+            let point = (0..PLACES).all(|k| {
+                let t = other.lo + (other.hi - other.lo) * (k as f64 + 0.5) / PLACES as f64;
+                let p = if d == 0 { [at, t] } else { [t, at] };
+                let tangent = surface.jet(p, limit, 1).d[2 - d];
+                tangent.length() * other.width() <= super::shape::POINT * size
+            });
+            if point {
+                poles.push(Pole { d, at, upper });
+            }
+        }
+    }
+    poles
+}
+
+/// What is asked of the normal `n = r_u × r_v`, of any length.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum NormalFigure {
+    /// `n · d`.
+    Along(DVec3),
+    /// `n · (r - eye)`.
+    Towards(DVec3),
+    /// `n · d - c |n|` for a unit vector d.
+    Angle(DVec3, f64),
+}
+
+/// A figure of the normal over a box in one analytic piece. The normal is divided by the distances to the poles in
+/// parameters: the figure keeps its zeros and its sign, and does not vanish in the poles for their sake.
+pub(crate) fn normal_over(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    poles: &[Pole],
+    figure: NormalFigure,
+) -> FigureJet {
+    const DEGREE: usize = 2;
+    let touched: Vec<&Pole> = poles.iter().filter(|p| uv[p.d].contains(p.at)).collect();
+    if touched.len() > 1 {
+        return UNKNOWN;
+    }
+    let order = DEGREE + 1 + touched.len();
+    let mut jet_over = vec![Box3::ENTIRE; jet_len(order)];
+    surface.enclose_piece(uv, [Limit::Above; 2], order, &mut jet_over);
+    let vector = |d: [usize; 2], degree: usize| Taylor::vector(&jet_over, d, degree);
+    let mut tangents = [vector([1, 0], DEGREE), vector([0, 1], DEGREE)];
+    for pole in touched {
+        // Along the side the other parameter runs: its tangent has the factor.
+        let other = 1 - pole.d;
+        let whole = vector([1 - other, other], DEGREE + 1);
+        let sign = Interval::point(if pole.upper { -1.0 } else { 1.0 });
+        tangents[other] = [0, 1, 2].map(|k| whole[k].divided_along(pole.d).scale(sign));
+    }
+    let mut normal = Taylor::cross(&tangents[0], &tangents[1]);
+    for pole in poles.iter().filter(|p| !uv[p.d].contains(p.at)) {
+        let away = if pole.upper {
+            Interval::point(pole.at) - uv[pole.d]
+        } else {
+            uv[pole.d] - Interval::point(pole.at)
+        };
+        let sign = if pole.upper { -1.0 } else { 1.0 };
+        let mut factor = normal[0].scale(Interval::ZERO);
+        factor.c[0] = away;
+        factor.c[1 + pole.d] = Interval::point(sign);
+        normal = normal.map(|t| t.div(&factor));
+    }
+    let figure = match figure {
+        NormalFigure::Along(d) => along(&normal, d),
+        NormalFigure::Towards(eye) => {
+            let mut way = vector([0, 0], DEGREE);
+            for (w, e) in way.iter_mut().zip(constant(eye)) {
+                w.c[0] = w.c[0] - e;
+            }
+            Taylor::dot(&normal, &way)
+        }
+        NormalFigure::Angle(d, cosine) => {
+            let length = Taylor::square(&normal).sqrt();
+            along(&normal, d).sub(&length.scale(Interval::point(cosine)))
+        }
+    };
+    jet(&figure)
+}
