@@ -15,6 +15,12 @@ fn field(text: &str, u: [f64; 2], v: [f64; 2]) -> ExpressionField {
     ExpressionField::new(bound, [Interval::new(u[0], u[1]), Interval::new(v[0], v[1])])
 }
 
+/// With a tolerance that leaves time for many: the topology does not depend on it.
+fn coarse(text: &str, u: [f64; 2], v: [f64; 2]) -> Trace {
+    let options = TraceOptions { tol: Some(1e-3 * (u[1] - u[0])), ..Default::default() };
+    trace(&field(text, u, v), &options).unwrap()
+}
+
 fn found(text: &str, u: [f64; 2], v: [f64; 2]) -> Trace {
     trace(&field(text, u, v), &TraceOptions::default()).unwrap()
 }
@@ -184,9 +190,11 @@ fn creases_of_the_function_are_crossed() {
     let l = length(&t.branches[0].in_parameters());
     // Chords across the corners are shorter.
     assert!((l - 0.8 * 2f64.sqrt()).abs() < 1e-4, "{l}");
-    // Exactly along a crease.
+    // Exactly along a crease; where that meets the border, the continuation beyond it is not known.
     let t = found("min(u - 0.5, 2*(u - 0.5))", [0.0, 1.0], [0.0, 1.0]);
-    assert_eq!((t.branches.len(), t.undecided.len()), (1, 0));
+    assert_eq!((t.branches.len(), t.undecided.len()), (1, 2));
+    let l = length(&t.branches[0].in_parameters());
+    assert!(l > 1.0 - 1e-6 && l <= 1.0, "{l}");
 }
 
 #[test]
@@ -203,12 +211,13 @@ fn tighter_tolerances_are_met() {
     }
 }
 
-/// A polynomial of degree 4 with random coefficients, and its value.
+/// A polynomial of degree 5 with random coefficients, and its value.
 fn polynomial(random: &mut Random) -> (String, impl Fn(f64, f64) -> f64) {
     let mut terms = Vec::new();
-    for i in 0..5i32 {
-        for j in 0..5 - i {
-            terms.push((2.0 * random.unit() - 1.0, i, j));
+    // Growing with the degree, so that they wind within the square.
+    for i in 0..6i32 {
+        for j in 0..6 - i {
+            terms.push(((2.0 * random.unit() - 1.0) * 2f64.powi(i + j), i, j));
         }
     }
     let text: Vec<String> = terms.iter().map(|(c, i, j)| format!("({c:?})*u^{i}*v^{j}")).collect();
@@ -272,9 +281,9 @@ fn by_grid(f: &dyn Fn(f64, f64) -> f64, n: usize) -> Option<[usize; 2]> {
 fn random_polynomials_have_the_curves_of_a_fine_grid() {
     let mut random = Random(5);
     let (mut compared, mut loops) = (0, 0);
-    for _ in 0..60 {
+    for _ in 0..40 {
         let (text, value) = polynomial(&mut random);
-        let t = found(&text, [-1.0, 1.0], [-1.0, 1.0]);
+        let t = coarse(&text, [-1.0, 1.0], [-1.0, 1.0]);
         assert!(t.undecided.is_empty(), "{text}: {:?}", t.undecided);
         let Some(grid) = by_grid(&value, 400) else { continue };
         let closed = t.branches.iter().filter(|b| b.is_closed()).count();
@@ -283,20 +292,20 @@ fn random_polynomials_have_the_curves_of_a_fine_grid() {
         loops += closed;
         residuals(&text, &t, [-1.0, 1.0], [-1.0, 1.0]);
     }
-    assert!(compared >= 50 && loops >= 3, "{compared} {loops}");
+    assert!(compared >= 25 && loops >= 5, "{compared} {loops}");
 }
 
 #[test]
 fn curves_do_not_depend_on_place_and_scale() {
     let mut random = Random(9);
-    for _ in 0..10 {
+    for _ in 0..5 {
         let (text, _) = polynomial(&mut random);
-        let plain = found(&text, [-1.0, 1.0], [-1.0, 1.0]);
+        let plain = coarse(&text, [-1.0, 1.0], [-1.0, 1.0]);
         for (scale, shift) in [(1e-6, 0.0), (1e6, 0.0), (1.0, 1000.0), (1e-3, -7.0)] {
             let inner = |x: &str| format!("(({x} - ({shift:?}))/{scale:?})");
             let moved = text.replace('u', &inner("x")).replace('v', &inner("y")).replace('x', "u").replace('y', "v");
             let range = [shift - scale, shift + scale];
-            let t = found(&moved, range, range);
+            let t = coarse(&moved, range, range);
             let closed = |t: &Trace| t.branches.iter().filter(|b| b.is_closed()).count();
             assert_eq!((t.branches.len(), closed(&t)), (plain.branches.len(), closed(&plain)), "{moved}");
             assert!(t.undecided.is_empty());
@@ -321,7 +330,7 @@ fn conics_meet_as_often_as_they_must() {
     for (f, g, count) in [
         // Two ellipses: four points.
         ("u^2/4 + v^2 - 1", "u^2 + v^2/4 - 1", 4),
-        ("u^2/4 + v^2 - 1", "(u - 1)^2 + v^2/4 - 1", 4),
+        ("u^2/4 + v^2 - 1", "(u - 0.7)^2 + v^2/4 - 1", 4),
         ("u^2 + v^2 - 1", "(u - 1)^2 + v^2 - 1", 2),
         ("u^2 + v^2 - 1", "(u - 2.5)^2 + v^2 - 1", 0),
         ("u*v - 1", "u^2 + v^2 - 4", 4),

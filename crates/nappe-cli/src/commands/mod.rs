@@ -9,6 +9,7 @@ mod info;
 mod render;
 mod report;
 mod schema;
+mod traced;
 
 use crate::failure::Failure;
 use crate::screen::Screen;

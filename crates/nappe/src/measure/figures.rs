@@ -82,10 +82,37 @@ pub(crate) fn height_over(
     p: DVec3,
     n: DVec3,
 ) -> FigureJet {
-    let mut jet = [Box3::ENTIRE; jet_len(2)];
-    surface.enclose_piece(uv, [Limit::Above; 2], 2, &mut jet);
-    jet[0] = jet[0] - Box3::point(p);
-    jet.map(|d| d.dot(Box3::point(n)))
+    jet(&height(surface, uv, p, n, 2))
+}
+
+/// The range of the same alone, for boxes that are narrow in one direction.
+pub(crate) fn height_range(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    p: DVec3,
+    n: DVec3,
+) -> Interval {
+    range(uv, |uv| Some(height(surface, uv, p, n, HIGH)))
+}
+
+fn height(surface: &dyn Surface, uv: [Interval; 2], p: DVec3, n: DVec3, degree: usize) -> Taylor {
+    let mut over = vec![Box3::ENTIRE; jet_len(degree)];
+    surface.enclose_piece(uv, [Limit::Above; 2], degree, &mut over);
+    over[0] = over[0] - Box3::point(p);
+    along(&Taylor::vector(&over, [0, 0], degree), n)
+}
+
+/// The degree of Taylor polynomials where f is to be told from zero by very little: along a border it is zero on.
+const HIGH: usize = 7;
+
+/// The range of a Taylor polynomial over a box.
+fn range(uv: [Interval; 2], f: impl Fn([Interval; 2]) -> Option<Taylor>) -> Interval {
+    let middle = uv.map(|t| Interval::point(t.mid()));
+    let offset = [0, 1].map(|d| uv[d] - middle[d]);
+    match (f(uv), f(middle)) {
+        (Some(wide), Some(at)) => wide.range(&at, offset),
+        _ => Interval::ENTIRE,
+    }
 }
 
 /// A side that is one point: the parameter that is constant along it, its value, and whether it is the upper end.
@@ -143,20 +170,40 @@ pub(crate) fn normal_over(
     poles: &[Pole],
     figure: NormalFigure,
 ) -> FigureJet {
-    const DEGREE: usize = 2;
+    normal_taylor(surface, uv, poles, figure, 2).map_or(UNKNOWN, |t| jet(&t))
+}
+
+/// The range of the same alone, for boxes that are narrow in one direction.
+pub(crate) fn normal_range(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    poles: &[Pole],
+    figure: NormalFigure,
+) -> Interval {
+    range(uv, |uv| normal_taylor(surface, uv, poles, figure, HIGH))
+}
+
+/// `None` for a box at two poles.
+fn normal_taylor(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    poles: &[Pole],
+    figure: NormalFigure,
+    degree: usize,
+) -> Option<Taylor> {
     let touched: Vec<&Pole> = poles.iter().filter(|p| uv[p.d].contains(p.at)).collect();
     if touched.len() > 1 {
-        return UNKNOWN;
+        return None;
     }
-    let order = DEGREE + 1 + touched.len();
+    let order = degree + 1 + touched.len();
     let mut jet_over = vec![Box3::ENTIRE; jet_len(order)];
     surface.enclose_piece(uv, [Limit::Above; 2], order, &mut jet_over);
-    let vector = |d: [usize; 2], degree: usize| Taylor::vector(&jet_over, d, degree);
-    let mut tangents = [vector([1, 0], DEGREE), vector([0, 1], DEGREE)];
+    let vector = |d: [usize; 2], n: usize| Taylor::vector(&jet_over, d, n);
+    let mut tangents = [vector([1, 0], degree), vector([0, 1], degree)];
     for pole in touched {
         // Along the side the other parameter runs: its tangent has the factor.
         let other = 1 - pole.d;
-        let whole = vector([1 - other, other], DEGREE + 1);
+        let whole = vector([1 - other, other], degree + 1);
         let sign = Interval::point(if pole.upper { -1.0 } else { 1.0 });
         tangents[other] = [0, 1, 2].map(|k| whole[k].divided_along(pole.d).scale(sign));
     }
@@ -176,7 +223,7 @@ pub(crate) fn normal_over(
     let figure = match figure {
         NormalFigure::Along(d) => along(&normal, d),
         NormalFigure::Towards(eye) => {
-            let mut way = vector([0, 0], DEGREE);
+            let mut way = vector([0, 0], degree);
             for (w, e) in way.iter_mut().zip(constant(eye)) {
                 w.c[0] = w.c[0] - e;
             }
@@ -187,5 +234,5 @@ pub(crate) fn normal_over(
             along(&normal, d).sub(&length.scale(Interval::point(cosine)))
         }
     };
-    jet(&figure)
+    Some(figure)
 }

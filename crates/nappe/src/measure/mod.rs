@@ -34,7 +34,8 @@ pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes}
 pub use extent::{Extent, extent};
 pub use figures::CurvatureKind;
 pub(crate) use figures::{
-    FigureJet, NormalFigure, Pole, curvature_over, height_over, normal_over, poles,
+    FigureJet, NormalFigure, Pole, curvature_over, height_over, height_range, normal_over,
+    normal_range, poles,
 };
 pub use integral::{IntegralOptions, Measured};
 pub use jump::{Jump, JumpOptions};

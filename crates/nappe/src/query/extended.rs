@@ -57,9 +57,17 @@ impl<'a> Extended<'a> {
         let mut hull: Option<Slopes> = None;
         for &(u, x) in parts[0].iter().flatten() {
             for &(v, y) in parts[1].iter().flatten() {
-                let Some(j) = self.centred([u, v]) else {
+                let Some(mut j) = self.centred([u, v]) else {
                     continue;
                 };
+                let beyond = x != Interval::ZERO || y != Interval::ZERO;
+                if beyond
+                    && j[0].contains(0.0)
+                    && let Some(f) = self.field.edge([u, v], self.rect)
+                    && f.is_finite()
+                {
+                    j[0] = j[0].meet(f);
+                }
                 let s = [
                     j[0] + j[1] * x + j[2] * y + j[4] * x * y,
                     j[1] + j[4] * y,

@@ -12,7 +12,7 @@ pub type FieldJet = [Interval; 6];
 /// A function `f(u, v)` on a rectangle.
 ///
 /// Where f is continuous but its first derivatives jump (a crease) the enclosures of these hold the values on both sides,
-/// and those of the second derivatives are [`Interval::ENTIRE`] for boxes across it. Where f itself jumps, the first
+/// and those of the second derivative across it are [`Interval::ENTIRE`]. Where f itself jumps, the first
 /// derivatives are [`Interval::ENTIRE`] too, or the place is one of [`Field::jumps`].
 pub trait Field: Debug + Send + Sync {
     /// The rectangle.
@@ -28,6 +28,35 @@ pub trait Field: Debug + Send + Sync {
     /// on; a box of width zero there is `beside` a larger one). `None` if f has no value anywhere in the box;
     /// [`Interval::ENTIRE`] for what is not known. They must shrink with the box.
     fn enclose(&self, uv: [Interval; 2], beside: [Interval; 2]) -> Option<FieldJet>;
+
+    /// An enclosure of f alone over an edge: a box of width zero in one direction. It is asked for on borders, where f
+    /// may be zero all along: by Taylor polynomials of a high degree much fewer parts are needed.
+    fn edge(&self, uv: [Interval; 2], beside: [Interval; 2]) -> Option<Interval> {
+        self.enclose(uv, beside).map(|j| j[0])
+    }
+}
+
+/// The degree of the polynomials along edges.
+const HIGH: usize = 8;
+
+/// The range of a formula of power series over an edge, by Taylor's formula about its middle.
+fn on_edge(
+    uv: [Interval; 2],
+    formula: impl Fn(&[Series<Interval>; 2], usize) -> Option<Series<Interval>>,
+) -> Option<Interval> {
+    let d = usize::from(uv[0].is_point());
+    let at = |t: Interval| {
+        let mut s = uv.map(|x| Series::constant(x, HIGH));
+        s[d] = Series::variable(t, HIGH);
+        formula(&s, HIGH)
+    };
+    let middle = Interval::point(uv[d].mid());
+    let (wide, narrow) = (at(uv[d])?, at(middle)?);
+    let x = uv[d] - middle;
+    let sum = (0..HIGH).fold(wide.c[HIGH] * x.powi(HIGH as i32), |sum, k| {
+        sum + narrow.c[k] * x.powi(k as i32)
+    });
+    Some(if sum.is_finite() { sum.meet(wide.c[0]) } else { wide.c[0] })
 }
 
 /// The value and derivatives of a formula of power series along three directions of the parameter plane.
@@ -81,6 +110,10 @@ impl Field for ExpressionField {
     fn enclose(&self, uv: [Interval; 2], _: [Interval; 2]) -> Option<FieldJet> {
         along(uv, |s| self.bound.series(s, 2).ok())
     }
+
+    fn edge(&self, uv: [Interval; 2], _: [Interval; 2]) -> Option<Interval> {
+        on_edge(uv, |s, order| self.bound.series(s, order).ok())
+    }
 }
 
 /// A formula of power series as a [`Field`]: a closure that computes f from u and v.
@@ -125,5 +158,9 @@ impl<F: Fn(&[Series<Interval>; 2]) -> Series<Interval> + Send + Sync> Field for 
 
     fn enclose(&self, uv: [Interval; 2], _: [Interval; 2]) -> Option<FieldJet> {
         along(uv, |s| Some((self.formula)(s)))
+    }
+
+    fn edge(&self, uv: [Interval; 2], _: [Interval; 2]) -> Option<Interval> {
+        on_edge(uv, |s, _| Some((self.formula)(s)))
     }
 }

@@ -4,8 +4,8 @@ use super::field::{Field, FieldJet};
 use crate::breaks::{Break, Breaks};
 use crate::interval::Interval;
 use crate::measure::{
-    CurvatureKind, FigureJet, NormalFigure, Pole, curvature_over, height_over, normal_over, poles,
-    size,
+    CurvatureKind, FigureJet, NormalFigure, Pole, curvature_over, height_over, height_range,
+    normal_over, normal_range, poles, size,
 };
 use crate::surface::{Dir, SurfaceRef};
 use glam::DVec3;
@@ -156,6 +156,21 @@ impl SurfaceField {
         }
     }
 
+    /// The range of the figure over a box in one analytic piece that is narrow in one direction.
+    fn range(&self, uv: [Interval; 2]) -> Interval {
+        let surface = self.surface.as_ref();
+        let normal = |figure| normal_range(surface, uv, &self.poles, figure);
+        match self.figure {
+            Figure::Section { point, normal } => height_range(surface, uv, point, normal),
+            Figure::Silhouette { direction } => normal(NormalFigure::Along(direction)),
+            Figure::SilhouetteFrom { eye } => normal(NormalFigure::Towards(eye)),
+            Figure::Isophote { direction, angle } => {
+                normal(NormalFigure::Angle(direction, angle.cos()))
+            }
+            Figure::Curvature { .. } => self.over(uv)[0],
+        }
+    }
+
     /// The parts of a range of a parameter in one analytic piece each, and the least number of derivatives of the figure that
     /// are continuous between them. A single parameter on a break is stretched a little into the piece that is meant.
     fn parts(&self, breaks: &[Break], t: Interval, beside: Interval) -> (Vec<Interval>, i32) {
@@ -204,10 +219,23 @@ impl Field for SurfaceField {
                 });
             }
         }
+        // Across a crease of the figure the derivative along it does not jump, so only one second derivative is lost.
         let mut j = hull?;
-        if u.1.min(v.1) < 1 {
-            j[3..].fill(Interval::ENTIRE);
+        if u.1 < 1 {
+            j[3] = Interval::ENTIRE;
+        }
+        if v.1 < 1 {
+            j[5] = Interval::ENTIRE;
         }
         Some(j)
+    }
+
+    fn edge(&self, uv: [Interval; 2], beside: [Interval; 2]) -> Option<Interval> {
+        let [u, v] = [Dir::U, Dir::V].map(|dir| {
+            let d = dir as usize;
+            self.parts(self.surface.breaks(dir), uv[d], beside[d]).0
+        });
+        let pairs = u.iter().flat_map(|&u| v.iter().map(move |&v| [u, v]));
+        pairs.map(|uv| self.range(uv)).reduce(Interval::hull)
     }
 }

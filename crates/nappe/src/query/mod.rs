@@ -13,6 +13,7 @@ mod meet;
 mod nearest;
 mod part;
 mod path;
+mod seams;
 mod solve;
 mod trace;
 mod tree;

@@ -5,12 +5,13 @@ use super::chains::{Chain, chains, clusters, touch};
 use super::extended::{Extended, MARGIN};
 use super::field::Field;
 use super::path::{Part, Path};
+use super::seams::{Strand, bounds, joined};
 use super::tube::Tube;
 use crate::curve::CurveRef;
 use crate::interval::Interval;
 use crate::measure::size;
 use crate::mesh::Certainty;
-use crate::surface::SurfaceRef;
+use crate::surface::{Dir, SurfaceRef};
 use std::fmt;
 use std::sync::Arc;
 
@@ -72,7 +73,7 @@ pub enum TraceError {
 /// Where a branch ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BranchEnd {
-    /// On the border of the rectangle, or on a line where the function jumps.
+    /// On the border of the rectangle, or on a line where the function jumps and the curve does not go on.
     Border,
     /// At a place that is not decided: its number in [`Trace::undecided`].
     Undecided(usize),
@@ -117,9 +118,7 @@ impl Branch {
 
     /// A box around it in the plane of the parameters.
     pub fn bounds(&self) -> [Interval; 2] {
-        let mut points = self.parts.iter().flat_map(|p| p.points);
-        let first = points.next().unwrap_or_default().map(Interval::point);
-        points.fold(first, |b, p| [0, 1].map(|d| b[d].hull(Interval::point(p[d]))))
+        bounds(&self.parts)
     }
 }
 
@@ -194,9 +193,10 @@ pub fn trace(f: &dyn Field, options: &TraceOptions) -> Result<Trace, TraceError>
     });
     let pieces = rectangles(&[f], within);
     let mut trace = Trace::default();
+    let mut strands = Vec::new();
     let mut budget = options.budget;
     let mut empty = 0;
-    for &rect in &pieces {
+    for (number, &rect) in pieces.iter().enumerate() {
         let piece = Extended::new(f, rect);
         let share = (options.budget / pieces.len()).max(1000);
         let cells = match divide(piece, share) {
@@ -212,16 +212,24 @@ pub fn trace(f: &dyn Field, options: &TraceOptions) -> Result<Trace, TraceError>
         };
         let join = Join {
             piece,
+            number,
             cells: &cells,
             surface: &options.surface,
             within,
             tol,
         };
-        join.add(&mut trace, &mut budget);
+        join.add(&mut trace, &mut strands, &mut budget);
         trace.cells += cells.looked;
     }
     if empty == pieces.len() {
         return Err(TraceError::NoValue(within));
+    }
+    let cuts = [Dir::U, Dir::V].map(|dir| f.jumps(dir));
+    trace.branches = branches(strands, &cuts, within, &options.surface);
+    for end in trace.branches.iter().filter_map(|b| b.ends).flatten() {
+        if let BranchEnd::Undecided(k) = end {
+            trace.undecided[k].ends += 1;
+        }
     }
     trace.branches.sort_by(|a, b| {
         let least = |x: &Branch| x.bounds().map(|t| t.lo);
@@ -260,9 +268,62 @@ fn absorb(cells: &mut Cells, piece: Extended) {
     cells.arcs = kept;
 }
 
+/// A part of a branch within one piece.
+struct Found {
+    strand: Strand,
+    ends: Option<[BranchEnd; 2]>,
+    error: f64,
+}
+
+/// Branches from their parts in all pieces.
+fn branches(
+    found: Vec<Found>,
+    cuts: &[Vec<f64>; 2],
+    within: [Interval; 2],
+    surface: &Option<SurfaceRef>,
+) -> Vec<Branch> {
+    let (strands, rest): (Vec<_>, Vec<_>) =
+        found.into_iter().map(|f| (f.strand, (f.ends, f.error))).unzip();
+    let lists = joined(&strands, cuts, within.map(Interval::width));
+    let make = |(list, closed): (Vec<usize>, bool)| {
+        let mut parts: Vec<Part> = Vec::new();
+        let mut error = 0.0f64;
+        for &k in &list {
+            let begin = parts.len();
+            parts.extend_from_slice(&strands[k].parts);
+            if begin > 0 {
+                parts[begin].points[0] = parts[begin - 1].points[3];
+            }
+            error = error.max(rest[k].1);
+        }
+        let (first, last) = (rest[list[0]].0, rest[list[list.len() - 1]].0);
+        let ends = match (first, last) {
+            (Some(first), Some(last)) if !closed => Some([first[0], last[1]]),
+            _ => None,
+        };
+        if closed && let Some(last) = parts.len().checked_sub(1) {
+            parts[last].points[3] = parts[0].points[0];
+        }
+        Branch {
+            parts,
+            domain: within,
+            surface: surface.clone(),
+            ends,
+            certainty: if error.is_finite() {
+                Certainty::Bounded(error)
+            } else {
+                Certainty::Estimated(error)
+            },
+        }
+    };
+    lists.into_iter().map(make).collect()
+}
+
 /// Makes branches from the cells of one piece.
 struct Join<'a> {
     piece: Extended<'a>,
+    /// The number of the piece.
+    number: usize,
     cells: &'a Cells,
     surface: &'a Option<SurfaceRef>,
     within: [Interval; 2],
@@ -270,7 +331,7 @@ struct Join<'a> {
 }
 
 impl Join<'_> {
-    fn add(&self, trace: &mut Trace, budget: &mut usize) {
+    fn add(&self, trace: &mut Trace, out: &mut Vec<Found>, budget: &mut usize) {
         let first = trace.undecided.len();
         for group in clusters(&self.cells.open) {
             let cells: Vec<_> = group.iter().map(|&k| self.inside(self.cells.open[k])).collect();
@@ -282,7 +343,7 @@ impl Join<'_> {
             });
         }
         for chain in chains(&self.cells.arcs) {
-            self.branch(&chain, trace, first, budget);
+            out.extend(self.strand(&chain, trace, first, budget));
         }
     }
 
@@ -295,20 +356,33 @@ impl Join<'_> {
         [0, 1].map(|d| Interval { lo: lo[d], hi: hi[d] })
     }
 
-    fn branch(&self, chain: &Chain, trace: &mut Trace, first: usize, budget: &mut usize) {
+    fn strand(
+        &self,
+        chain: &Chain,
+        trace: &mut Trace,
+        first: usize,
+        budget: &mut usize,
+    ) -> Option<Found> {
         let arcs = &self.cells.arcs;
         let scale = [0, 1].map(|d| self.within[d].width());
         let surface = self.surface.as_deref();
-        let mut tube = Tube::new(self.piece, surface, self.tol, *budget, scale);
+        let tube = || Tube::new(self.piece, surface, self.tol, *budget, scale);
         let (arc, entry) = chain.arcs[0];
-        let forward = tube.enters(&arcs[arc], entry);
-        let way: Vec<(usize, usize)> = if forward {
+        let way: Vec<(usize, usize)> = if tube().enters(&arcs[arc], entry) {
             chain.arcs.clone()
         } else {
             chain.arcs.iter().rev().map(|&(k, c)| (k, 1 - c)).collect()
         };
-        for &(k, entry) in &way {
-            tube.through(&arcs[k], entry);
+        let walk = |absorbs: bool| {
+            let mut tube = tube();
+            tube.absorbs = absorbs;
+            way.iter().for_each(|&(k, entry)| tube.through(&arcs[k], entry));
+            tube
+        };
+        let mut tube = walk(true);
+        if tube.parts.is_empty() {
+            // A branch that is as short as the parts that are left out.
+            tube = walk(false);
         }
         *budget = tube.budget;
         let ends = if chain.closed {
@@ -337,24 +411,26 @@ impl Join<'_> {
         if length <= 8.0 * MARGIN && !chain.closed {
             let uv = tube.parts.first().map(|p| p.points[0]);
             trace.touches.extend(uv.or_else(|| tube.place()));
-            return;
+            return None;
         }
-        for end in ends.iter().flatten() {
-            if let BranchEnd::Undecided(k) = end {
-                trace.undecided[*k].ends += 1;
-            }
-        }
-        let certainty = if tube.error.is_finite() {
-            Certainty::Bounded(tube.error)
-        } else {
-            Certainty::Estimated(tube.error)
+        // A side of the piece inside the whole rectangle is a line where the function jumps.
+        let inner = |uv: [f64; 2]| {
+            (0..2).any(|d| {
+                let (r, w) = (self.piece.rect[d], self.within[d]);
+                (uv[d] == r.lo && r.lo > w.lo) || (uv[d] == r.hi && r.hi < w.hi)
+            })
         };
-        trace.branches.push(Branch {
+        let (start, end) = (tube.parts.first()?.points[0], tube.parts.last()?.points[3]);
+        let open = match ends {
+            Some(e) => [(e[0], start), (e[1], end)].map(|(e, p)| e == BranchEnd::Border && inner(p)),
+            None => [false; 2],
+        };
+        let error = tube.bound();
+        let strand = Strand {
             parts: tube.parts,
-            domain: self.within,
-            surface: self.surface.clone(),
-            ends,
-            certainty,
-        });
+            piece: self.number,
+            open,
+        };
+        Some(Found { strand, ends, error })
     }
 }

@@ -23,6 +23,10 @@ const DEEPEST: usize = 48;
 /// the fourth, so that few cubics with many bounds are better than many cubics.
 const SECTIONS: usize = 3;
 
+/// Parts shorter than this, relative to the rectangle, may be left out if they lead no farther than a share of the tolerance.
+const SHORTEST: f64 = 1e-7;
+const SHORT_SHARE: f64 = 1e-3;
+
 /// A place of the arc.
 #[derive(Clone, Copy, Debug)]
 struct Knot {
@@ -45,12 +49,17 @@ pub(super) struct Tube<'a> {
     /// What is done.
     pub(super) parts: Vec<Part>,
     /// The greatest error of all parts.
-    pub(super) error: f64,
+    error: f64,
     /// The widths of the whole rectangle: lengths are measured in them.
     pub(super) scale: [f64; 2],
     last: Option<Knot>,
     /// True if the last part ends with its tangent.
     smooth: bool,
+    /// The place where the path begins, if the first part was too short.
+    start: Option<[f64; 2]>,
+    /// Whether parts may be left out, and how far those that were lead.
+    pub(super) absorbs: bool,
+    absorbed: f64,
 }
 
 impl<'a> Tube<'a> {
@@ -71,6 +80,9 @@ impl<'a> Tube<'a> {
             scale,
             last: None,
             smooth: false,
+            start: None,
+            absorbs: true,
+            absorbed: 0.0,
         }
     }
 
@@ -110,7 +122,7 @@ impl<'a> Tube<'a> {
         };
         // The same zero, found twice: within rounding.
         if let Some(last) = self.parts.last_mut() {
-            last.points[3] = first;
+            end_at(last, first);
         }
     }
 
@@ -228,16 +240,48 @@ impl<'a> Tube<'a> {
     }
 
     fn push(&mut self, part: Part) {
-        if part.length <= 0.0 {
+        if part.length <= 0.0 || self.is_absorbed(&part) {
             return;
         }
         self.budget = self.budget.saturating_sub(1);
         let curved = part.smooth;
+        let mut points = part.points;
+        if let Some(start) = self.start.take() {
+            points[1] = moved(points[1], points[0], start);
+            points[0] = start;
+        }
         self.parts.push(Part {
+            points,
             smooth: curved && self.smooth,
             ..part
         });
         self.smooth = curved;
+    }
+
+    /// A part that is too short to have a shape is left out: its neighbours meet at one of its ends. Where cells are cut
+    /// just beside the curve there are such parts, and their higher derivatives would be rounding errors.
+    fn is_absorbed(&mut self, part: &Part) -> bool {
+        if !self.absorbs || part.length > SHORTEST {
+            return false;
+        }
+        let stretch = self.stretch(part.points[0].map(|x| Interval::point(x)));
+        let off = part.length * (self.scale[0] * stretch[0] + self.scale[1] * stretch[1]);
+        if !(off <= self.tol * SHORT_SHARE) {
+            return false;
+        }
+        match self.parts.last_mut() {
+            Some(last) => end_at(last, part.points[3]),
+            None => {
+                self.start.get_or_insert(part.points[0]);
+            }
+        }
+        self.absorbed += off;
+        true
+    }
+
+    /// The bound for all parts.
+    pub(super) fn bound(&self) -> f64 {
+        self.error + self.absorbed
     }
 
     fn length(&self, from: &Knot, to: &Knot) -> f64 {
@@ -383,6 +427,17 @@ impl<'a> Tube<'a> {
         let jet = enclose_direct(surface, uv, 1);
         [jet[1].norm().hi, jet[2].norm().hi]
     }
+}
+
+/// Moves the end of a part, with its tangent.
+fn end_at(part: &mut Part, to: [f64; 2]) {
+    part.points[2] = moved(part.points[2], part.points[3], to);
+    part.points[3] = to;
+}
+
+/// A point moved as another one is.
+fn moved(p: [f64; 2], from: [f64; 2], to: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|d| p[d] + (to[d] - from[d]))
 }
 
 /// The pair with `at` in the place of parameter d.
