@@ -8,7 +8,7 @@ use nappe::Certainty;
 use nappe::curve::CurveRef;
 use nappe::measure::CurvatureKind;
 use nappe::query::{
-    Branch, ExpressionField, Field, Figure, SurfaceField, Trace, TraceError, TraceOptions, trace,
+    Branch, ExpressionField, Field, Figure, FigureError, SurfaceField, Trace, TraceError, TraceOptions, trace,
 };
 use nappe::significant;
 use nappe::surface::SurfaceRef;
@@ -90,8 +90,13 @@ impl Builder<'_> {
         match SurfaceField::new(surface.clone(), figure) {
             Ok(field) => Ok(Box::new(field)),
             Err(e) => {
-                let key = ["angle", "direction", "normal", "eye", "value"];
-                let key = key.into_iter().find(|k| f.get(k).is_some()).unwrap_or("");
+                let keys: &[&str] = match e {
+                    FigureError::Angle(_) => &["angle"],
+                    FigureError::Direction(_) => &["direction", "normal"],
+                    FigureError::Point(_) => &["eye", "origin"],
+                    _ => &["value"],
+                };
+                let key = keys.iter().copied().find(|k| f.get(k).is_some()).unwrap_or("");
                 Err(self.refuse(o, (key, &[]), e, "change it"))
             }
         }

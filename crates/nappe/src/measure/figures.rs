@@ -1,6 +1,6 @@
 //! Figures of a surface, enclosed with their derivatives to order 2: what curves of constant figure are traced with.
 
-use super::shape::ShapeForm;
+use super::shape::{Shape, ShapeForm, beside, shape};
 use super::taylor::Taylor;
 use crate::box3::Box3;
 use crate::breaks::Limit;
@@ -47,25 +47,17 @@ fn along(a: &[Taylor; 3], v: DVec3) -> Taylor {
 pub(crate) fn curvature_over(
     surface: &dyn Surface,
     uv: [Interval; 2],
+    poles: &[Pole],
     size: f64,
     kind: CurvatureKind,
 ) -> FigureJet {
+    if poles.iter().all(|p| !uv[p.d].contains(p.at)) {
+        return jet(&curvature(surface, uv, kind, 2));
+    }
     let Ok(form) = ShapeForm::new(surface, uv, size) else {
         return UNKNOWN;
     };
-    let half = Interval::point(0.5);
-    let [wide, at] = [&form.wide, &form.at].map(|f| {
-        let mean = f.p.add(&f.s).scale(half);
-        match kind {
-            CurvatureKind::Mean => mean,
-            CurvatureKind::Gaussian => f.p.mul(&f.s).sub(&f.q.sqr()),
-            CurvatureKind::K1 | CurvatureKind::K2 => {
-                let off = f.p.sub(&f.s).scale(half);
-                let radius = off.sqr().add(&f.q.sqr()).sqrt();
-                if kind == CurvatureKind::K1 { mean.add(&radius) } else { mean.sub(&radius) }
-            }
-        }
-    });
+    let [wide, at] = [&form.wide, &form.at].map(|s| of_shape(s, kind));
     let t = if at.is_finite() { wide.tightened(&at, form.offset) } else { wide };
     let mut j = jet(&t);
     if form.exchanged {
@@ -73,6 +65,40 @@ pub(crate) fn curvature_over(
         j.swap(3, 5);
     }
     j
+}
+
+/// The range of the same alone, for boxes that are narrow in one direction.
+pub(crate) fn curvature_range(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    poles: &[Pole],
+    size: f64,
+    kind: CurvatureKind,
+) -> Interval {
+    if poles.iter().any(|p| uv[p.d].contains(p.at)) {
+        return curvature_over(surface, uv, poles, size, kind)[0];
+    }
+    range(uv, |uv| Some(curvature(surface, uv, kind, HIGH)))
+}
+
+fn curvature(surface: &dyn Surface, uv: [Interval; 2], kind: CurvatureKind, degree: usize) -> Taylor {
+    let mut over = vec![Box3::ENTIRE; jet_len(degree + 2)];
+    surface.enclose_piece(uv, [Limit::Above; 2], degree + 2, &mut over);
+    of_shape(&shape(&beside(&over, false, degree)), kind)
+}
+
+fn of_shape(f: &Shape, kind: CurvatureKind) -> Taylor {
+    let half = Interval::point(0.5);
+    let mean = f.p.add(&f.s).scale(half);
+    match kind {
+        CurvatureKind::Mean => mean,
+        CurvatureKind::Gaussian => f.p.mul(&f.s).sub(&f.q.sqr()),
+        CurvatureKind::K1 | CurvatureKind::K2 => {
+            let off = f.p.sub(&f.s).scale(half);
+            let radius = off.sqr().add(&f.q.sqr()).sqrt();
+            if kind == CurvatureKind::K1 { mean.add(&radius) } else { mean.sub(&radius) }
+        }
+    }
 }
 
 /// `n · (r - p)` over a box in one analytic piece.
@@ -100,6 +126,99 @@ fn height(surface: &dyn Surface, uv: [Interval; 2], p: DVec3, n: DVec3, degree: 
     surface.enclose_piece(uv, [Limit::Above; 2], degree, &mut over);
     over[0] = over[0] - Box3::point(p);
     along(&Taylor::vector(&over, [0, 0], degree), n)
+}
+
+/// A surface by an equation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Implicit {
+    /// A sphere.
+    Sphere {
+        /// The centre.
+        center: DVec3,
+        /// The radius.
+        radius: f64,
+    },
+    /// A round cylinder without ends.
+    Cylinder {
+        /// A point of the axis.
+        point: DVec3,
+        /// The direction of the axis.
+        axis: DVec3,
+        /// The radius.
+        radius: f64,
+    },
+    /// A round cone, both halves, without ends.
+    Cone {
+        /// The apex.
+        apex: DVec3,
+        /// The direction of the axis.
+        axis: DVec3,
+        /// The angle between axis and cone, radians, between 0 and π/2.
+        half_angle: f64,
+    },
+    /// A torus.
+    Torus {
+        /// The centre.
+        center: DVec3,
+        /// The direction of the axis.
+        axis: DVec3,
+        /// The radius of the circle round the axis.
+        major: f64,
+        /// The radius of the tube.
+        minor: f64,
+    },
+}
+
+/// The left side of an equation, zero on the surface it describes, over a box in one analytic piece of another surface. The axis
+/// is a unit vector.
+pub(crate) fn implicit_over(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    other: Implicit,
+) -> FigureJet {
+    jet(&equation(surface, uv, other, 2))
+}
+
+/// The range of the same alone, for boxes that are narrow in one direction.
+pub(crate) fn implicit_range(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    other: Implicit,
+) -> Interval {
+    range(uv, |uv| Some(equation(surface, uv, other, HIGH)))
+}
+
+fn equation(surface: &dyn Surface, uv: [Interval; 2], other: Implicit, degree: usize) -> Taylor {
+    let (Implicit::Sphere { center: from, .. }
+    | Implicit::Cylinder { point: from, .. }
+    | Implicit::Cone { apex: from, .. }
+    | Implicit::Torus { center: from, .. }) = other;
+    let mut over = vec![Box3::ENTIRE; jet_len(degree)];
+    surface.enclose_piece(uv, [Limit::Above; 2], degree, &mut over);
+    over[0] = over[0] - Box3::point(from);
+    let way = Taylor::vector(&over, [0, 0], degree);
+    let square = Taylor::square(&way);
+    let less = |t: Taylor, x: Interval| {
+        let mut t = t;
+        t.c[0] = t.c[0] - x;
+        t
+    };
+    let sqr = |x: f64| Interval::point(x).sqr();
+    match other {
+        Implicit::Sphere { radius, .. } => less(square, sqr(radius)),
+        Implicit::Cylinder { axis, radius, .. } => {
+            less(square.sub(&along(&way, axis).sqr()), sqr(radius))
+        }
+        Implicit::Cone { axis, half_angle, .. } => {
+            let cosine = Interval::point(half_angle).cos().sqr();
+            along(&way, axis).sqr().sub(&square.scale(cosine))
+        }
+        Implicit::Torus { axis, major, minor, .. } => {
+            let off = square.sub(&along(&way, axis).sqr());
+            let sum = less(square, sqr(minor) - sqr(major));
+            sum.sqr().sub(&off.scale(Interval::point(4.0) * sqr(major)))
+        }
+    }
 }
 
 /// The degree of Taylor polynomials where f is to be told from zero by very little: along a border it is zero on.

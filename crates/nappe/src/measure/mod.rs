@@ -32,9 +32,9 @@ pub use continuity::{Continuity, SideOf, Smoothness, continuity};
 pub use crease::{Crease, creases};
 pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes};
 pub use extent::{Extent, extent};
-pub use figures::CurvatureKind;
+pub use figures::{CurvatureKind, Implicit};
 pub(crate) use figures::{
-    FigureJet, NormalFigure, Pole, curvature_over, height_over, height_range, normal_over,
+    FigureJet, NormalFigure, Pole, curvature_over, curvature_range, height_over, height_range, implicit_over, implicit_range, normal_over,
     normal_range, poles,
 };
 pub use integral::{IntegralOptions, Measured};

@@ -62,7 +62,7 @@ impl ShapeForm {
                 let patch = Patch::new(surface, uv, DEGREE + 2);
                 // The basis begins with the longer tangent.
                 let swap = patch.at[2].norm().mid() > patch.at[1].norm().mid();
-                let forms = [&patch.wide, &patch.at].map(|jet| beside(jet, swap));
+                let forms = [&patch.wide, &patch.at].map(|jet| beside(jet, swap, DEGREE));
                 (patch, forms)
             }
             [(d, at)] => {
@@ -111,7 +111,12 @@ const PLACES: usize = 9;
 
 /// True if the side of the box where the parameter `d` has the value `at` is one point, within rounding.
 fn is_point(surface: &dyn Surface, uv: [Interval; 2], d: usize, at: f64, size: f64) -> bool {
-    let other = uv[1 - d];
+    // A box of no width along the side cannot tell.
+    let other = if uv[1 - d].is_point() {
+        surface.domain()[1 - d]
+    } else {
+        uv[1 - d]
+    };
     let mut limit = [Limit::Above; 2];
     if at == uv[d].hi {
         limit[d] = Limit::Below;
@@ -125,10 +130,10 @@ fn is_point(surface: &dyn Surface, uv: [Interval; 2], d: usize, at: f64, size: f
 }
 
 /// Invariants of the two forms: `r_uu·n, r_uv·n, r_vv·n` with `n = r_u × r_v`, `r_u·r_u`, `r_u·r_v`, `n·n`.
-type Forms = [Taylor; 6];
+pub(super) type Forms = [Taylor; 6];
 
 /// The shape operator; the basis begins with r_u.
-fn shape([l, m, k, e, f, n2]: &Forms) -> Shape {
+pub(super) fn shape([l, m, k, e, f, n2]: &Forms) -> Shape {
     let w = n2.sqrt();
     let [l, m, k] = [l, m, k].map(|x| x.div(&w));
     let p = l.div(e);
@@ -139,9 +144,9 @@ fn shape([l, m, k, e, f, n2]: &Forms) -> Shape {
     Shape { p, q, s }
 }
 
-/// Where `r_u × r_v` does not vanish, from a jet of order [`DEGREE`] + 2. With `swap`, u and v change places.
-fn beside(jet: &[Box3], swap: bool) -> Forms {
-    let vector = |d: [usize; 2]| Taylor::vector(jet, d, DEGREE);
+/// Where `r_u × r_v` does not vanish, from a jet of order `degree` + 2. With `swap`, u and v change places.
+pub(super) fn beside(jet: &[Box3], swap: bool, degree: usize) -> Forms {
+    let vector = |d: [usize; 2]| Taylor::vector(jet, d, degree);
     let (u, v) = (vector([1, 0]), vector([0, 1]));
     let n = Taylor::cross(&u, &v);
     let [l, m, k] = [[2, 0], [1, 1], [0, 2]].map(|d| Taylor::dot(&n, &vector(d)));

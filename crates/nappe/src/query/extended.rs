@@ -1,15 +1,15 @@
 //! A field over one rectangle, continued a little beyond its border, so that nothing happens exactly on the border.
 //!
 //! Beyond the border f goes on as `f(c) + f_u(c) x + f_v(c) y + f_uv(c) x y`, where c is the nearest place of the rectangle
-//! and (x, y) the way from there: smooth, whatever f is. The margin is 2⁻⁴⁰ of the width, so a zero of the
-//! continuation is as near to the rectangle as rounding; it counts as on the border. Curves that run along the
+//! and (x, y) the way from there: smooth, whatever f is. The margin is 2⁻³⁴ of the width: zeros of the continuation
+//! count as on the border. (Smaller, and where f grows slowly from the border rounding would hide its sign.) Curves that run along the
 //! border, touch it from inside or go through a corner are then curves like all others.
 
 use super::field::{Field, FieldJet};
 use crate::interval::Interval;
 
 /// The margin as a part of the width.
-pub(super) const MARGIN: f64 = 1.0 / (1u64 << 40) as f64;
+pub(super) const MARGIN: f64 = 1.0 / (1u64 << 34) as f64;
 /// The margins of the four sides relative to that (lower and upper u, lower and upper v): different, or diagonals of the
 /// rectangle would go through the corners.
 const UNEVEN: [[f64; 2]; 2] = [[1.0, 1.37], [1.71, 0.83]];
@@ -29,15 +29,7 @@ pub(super) struct Extended<'a> {
 
 impl<'a> Extended<'a> {
     pub(super) fn new(field: &'a dyn Field, rect: [Interval; 2]) -> Self {
-        let outer = [0, 1].map(|d| {
-            let r = rect[d];
-            // Where doubles are coarse, some of them.
-            let step = (MARGIN * r.width()).max(8.0 * f64::EPSILON * r.mag());
-            Interval {
-                lo: r.lo - UNEVEN[d][0] * step,
-                hi: r.hi + UNEVEN[d][1] * step,
-            }
-        });
+        let outer = [0, 1].map(|d| margins(rect[d], UNEVEN[d]));
         Self { field, rect, outer }
     }
 
@@ -53,7 +45,7 @@ impl<'a> Extended<'a> {
 
     /// Enclosures over a box inside `outer`; `None` where f has no value.
     pub(super) fn slopes(&self, uv: [Interval; 2]) -> Option<Slopes> {
-        let parts = [0, 1].map(|d| self.parts(d, uv[d]));
+        let parts = [0, 1].map(|d| beyond(self.rect[d], uv[d]));
         let mut hull: Option<Slopes> = None;
         for &(u, x) in parts[0].iter().flatten() {
             for &(v, y) in parts[1].iter().flatten() {
@@ -88,21 +80,6 @@ impl<'a> Extended<'a> {
         (!f.contains(0.0)).then_some(f.lo > 0.0)
     }
 
-    /// The places of the rectangle nearest to a range of a parameter, with the way from there: inside, below, above.
-    fn parts(&self, d: usize, t: Interval) -> [Option<(Interval, Interval)>; 3] {
-        let r = self.rect[d];
-        let inside = t.intersection(r).map(|t| (t, Interval::ZERO));
-        let below = (t.lo < r.lo).then(|| {
-            let part = Interval { lo: t.lo, hi: t.hi.min(r.lo) };
-            (Interval::point(r.lo), part - Interval::point(r.lo))
-        });
-        let above = (t.hi > r.hi).then(|| {
-            let part = Interval { lo: t.lo.max(r.hi), hi: t.hi };
-            (Interval::point(r.hi), part - Interval::point(r.hi))
-        });
-        [inside, below, above]
-    }
-
     /// Taylor's formula about the middle makes the enclosures of f and its first derivatives narrower.
     fn centred(&self, uv: [Interval; 2]) -> Option<FieldJet> {
         let mut j = self.jet(uv)?;
@@ -123,4 +100,28 @@ impl<'a> Extended<'a> {
         j[0] = tight(j[0], at[0] + j[1] * x + j[2] * y);
         Some(j)
     }
+}
+
+/// A range with its margins, of which there may be more on one side than on the other.
+pub(super) fn margins(r: Interval, uneven: [f64; 2]) -> Interval {
+    // Where doubles are coarse, some of them.
+    let step = (MARGIN * r.width()).max(8.0 * f64::EPSILON * r.mag());
+    Interval {
+        lo: r.lo - uneven[0] * step,
+        hi: r.hi + uneven[1] * step,
+    }
+}
+
+/// The numbers of a range nearest to those of another one, with the way from there: inside, below, above.
+pub(super) fn beyond(r: Interval, t: Interval) -> [Option<(Interval, Interval)>; 3] {
+    let inside = t.intersection(r).map(|t| (t, Interval::ZERO));
+    let below = (t.lo < r.lo).then(|| {
+        let part = Interval { lo: t.lo, hi: t.hi.min(r.lo) };
+        (Interval::point(r.lo), part - Interval::point(r.lo))
+    });
+    let above = (t.hi > r.hi).then(|| {
+        let part = Interval { lo: t.lo.max(r.hi), hi: t.hi };
+        (Interval::point(r.hi), part - Interval::point(r.hi))
+    });
+    [inside, below, above]
 }

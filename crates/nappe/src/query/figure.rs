@@ -4,8 +4,8 @@ use super::field::{Field, FieldJet};
 use crate::breaks::{Break, Breaks};
 use crate::interval::Interval;
 use crate::measure::{
-    CurvatureKind, FigureJet, NormalFigure, Pole, curvature_over, height_over, height_range,
-    normal_over, normal_range, poles, size,
+    CurvatureKind, FigureJet, Implicit, NormalFigure, Pole, curvature_over, curvature_range, height_over,
+    height_range, implicit_over, implicit_range, normal_over, normal_range, poles, size,
 };
 use crate::surface::{Dir, SurfaceRef};
 use glam::DVec3;
@@ -20,6 +20,8 @@ pub enum Figure {
         /// Its normal, of any length.
         normal: DVec3,
     },
+    /// Where the surface meets another one that is given by its equation, whole and without ends.
+    Meets(Implicit),
     /// Where it is seen edge-on from a direction: the contour of a parallel projection.
     Silhouette {
         /// The direction of view.
@@ -58,13 +60,23 @@ pub enum FigureError {
     /// An angle is not between 0 and half a turn.
     #[error("the angle of the normal is {0} radians: it must be between 0 and pi (180deg)")]
     Angle(f64),
+    /// A radius or an angle of the other surface is out of range.
+    #[error("the other surface has the {what} {value}: it must be {needed}")]
+    Size {
+        /// Which.
+        what: &'static str,
+        /// What was given.
+        value: f64,
+        /// What would be right.
+        needed: &'static str,
+    },
     /// A curvature is not finite.
     #[error("the curvature is {0}: it must be a finite number")]
     Value(f64),
 }
 
 /// A figure of a surface as a function of its parameters, zero on the curve. Cost: jets of order 2 for sections, 3 for
-/// what the normal says, 8 for curvatures.
+/// what the normal says, 4 for curvatures; on borders 7 to 9.
 #[derive(Clone, Debug)]
 pub struct SurfaceField {
     surface: SurfaceRef,
@@ -90,17 +102,12 @@ impl SurfaceField {
     /// assert!((curve.point(0.5).x - 2.9).abs() < 1e-5);
     /// ```
     pub fn new(surface: SurfaceRef, figure: Figure) -> Result<Self, FigureError> {
-        let direction = |d: DVec3| {
-            d.try_normalize()
-                .filter(|d| d.is_finite())
-                .ok_or(FigureError::Direction(d))
-        };
-        let point = |p: DVec3| if p.is_finite() { Ok(p) } else { Err(FigureError::Point(p)) };
         let figure = match figure {
             Figure::Section { point: p, normal } => Figure::Section {
                 point: point(p)?,
                 normal: direction(normal)?,
             },
+            Figure::Meets(other) => Figure::Meets(checked(other)?),
             Figure::Silhouette { direction: d } => Figure::Silhouette {
                 direction: direction(d)?,
             },
@@ -132,7 +139,7 @@ impl SurfaceField {
     /// The order of the derivatives of the surface in the figure.
     fn order(&self) -> i32 {
         match self.figure {
-            Figure::Section { .. } => 0,
+            Figure::Section { .. } | Figure::Meets(_) => 0,
             Figure::Curvature { .. } => 2,
             _ => 1,
         }
@@ -143,13 +150,14 @@ impl SurfaceField {
         let normal = |figure| normal_over(surface, uv, &self.poles, figure);
         match self.figure {
             Figure::Section { point, normal } => height_over(surface, uv, point, normal),
+            Figure::Meets(other) => implicit_over(surface, uv, other),
             Figure::Silhouette { direction } => normal(NormalFigure::Along(direction)),
             Figure::SilhouetteFrom { eye } => normal(NormalFigure::Towards(eye)),
             Figure::Isophote { direction, angle } => {
                 normal(NormalFigure::Angle(direction, angle.cos()))
             }
             Figure::Curvature { kind, value } => {
-                let mut j = curvature_over(surface, uv, self.size, kind);
+                let mut j = curvature_over(surface, uv, &self.poles, self.size, kind);
                 j[0] = j[0] - Interval::point(value);
                 j
             }
@@ -162,12 +170,15 @@ impl SurfaceField {
         let normal = |figure| normal_range(surface, uv, &self.poles, figure);
         match self.figure {
             Figure::Section { point, normal } => height_range(surface, uv, point, normal),
+            Figure::Meets(other) => implicit_range(surface, uv, other),
             Figure::Silhouette { direction } => normal(NormalFigure::Along(direction)),
             Figure::SilhouetteFrom { eye } => normal(NormalFigure::Towards(eye)),
             Figure::Isophote { direction, angle } => {
                 normal(NormalFigure::Angle(direction, angle.cos()))
             }
-            Figure::Curvature { .. } => self.over(uv)[0],
+            Figure::Curvature { kind, value } => {
+                curvature_range(surface, uv, &self.poles, self.size, kind) - Interval::point(value)
+            }
         }
     }
 
@@ -193,6 +204,49 @@ impl SurfaceField {
         let least = across.map(smooth).min().unwrap_or(i32::MAX);
         (breaks.parts(t).into_iter().map(|p| p.0).collect(), least)
     }
+}
+
+fn direction(d: DVec3) -> Result<DVec3, FigureError> {
+    d.try_normalize()
+        .filter(|d| d.is_finite())
+        .ok_or(FigureError::Direction(d))
+}
+
+fn point(p: DVec3) -> Result<DVec3, FigureError> {
+    if p.is_finite() { Ok(p) } else { Err(FigureError::Point(p)) }
+}
+
+/// The other surface with a unit axis.
+fn checked(other: Implicit) -> Result<Implicit, FigureError> {
+    let length = |what: &'static str, value: f64| {
+        let needed = "a positive, finite length";
+        let sound = value > 0.0 && value.is_finite();
+        if sound { Ok(value) } else { Err(FigureError::Size { what, value, needed }) }
+    };
+    Ok(match other {
+        Implicit::Sphere { center, radius } => Implicit::Sphere {
+            center: point(center)?,
+            radius: length("radius", radius)?,
+        },
+        Implicit::Cylinder { point: p, axis, radius } => Implicit::Cylinder {
+            point: point(p)?,
+            axis: direction(axis)?,
+            radius: length("radius", radius)?,
+        },
+        Implicit::Cone { apex, axis, half_angle } => {
+            if !(half_angle > 0.0 && half_angle < std::f64::consts::FRAC_PI_2) {
+                let needed = "an angle between 0 and pi/2 (90deg)";
+                return Err(FigureError::Size { what: "half angle", value: half_angle, needed });
+            }
+            Implicit::Cone { apex: point(apex)?, axis: direction(axis)?, half_angle }
+        }
+        Implicit::Torus { center, axis, major, minor } => Implicit::Torus {
+            center: point(center)?,
+            axis: direction(axis)?,
+            major: length("major radius", major)?,
+            minor: length("minor radius", minor)?,
+        },
+    })
 }
 
 impl Field for SurfaceField {

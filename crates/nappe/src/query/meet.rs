@@ -65,7 +65,7 @@ impl System<2> for Both<'_> {
 }
 
 /// All points where f and g are zero: each is proven to be the only one in its box, and every other one lies at a place
-/// that is not decided. Points beyond the border by less than 10⁻¹² of the width count as on it.
+/// that is not decided. Points beyond the border by less than 10⁻¹⁰ of the width count as on it.
 ///
 /// Errors: the rectangle is not a part of both domains; a function has no value anywhere. Cost: some enclosures for each
 /// box; simple points need few.

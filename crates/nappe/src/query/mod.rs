@@ -3,12 +3,20 @@
 //! [`Finder`] is prepared once for some surfaces and then gives the nearest point to any point, one by one or many at once.
 //! The files: `part` bounds the distance over a part of a surface, `tree` keeps parts of all surfaces so that few of them
 //! are looked at, `nearest` searches.
+//!
+//! [`trace`] gives all curves on which a function of two parameters is zero ([`Field`]: an expression, a formula, or a
+//! [`Figure`] of a surface: a section, a silhouette, an isophote, a curvature), [`meet`] all points where two such functions
+//! are zero, [`intersect`] all points where a curve meets a surface. The files: `field` and `figure` are the functions,
+//! `extended` continues them a little beyond their border, `cells` divides the rectangle and proves what is in each cell,
+//! `chains` joins cells, `tube` makes paths with a bound, `path` is the curve, `seams` joins across patches, `solve` finds
+//! points.
 
 mod cells;
 mod chains;
 mod extended;
 mod field;
 mod figure;
+mod intersect;
 mod meet;
 mod nearest;
 mod part;
@@ -21,6 +29,7 @@ mod tube;
 
 pub use field::{ExpressionField, Field, FieldJet, FormulaField};
 pub use figure::{Figure, FigureError, SurfaceField};
+pub use intersect::{CurveSurface, CurveSurfacePoint, intersect};
 pub use meet::{MeetOptions, MeetPoint, Meets, meet};
 pub use path::Path;
 pub use trace::{Branch, BranchEnd, Trace, TraceError, TraceOptions, Undecided, trace};

@@ -7,11 +7,12 @@ use super::field::Field;
 use super::path::{Part, Path};
 use super::seams::{Strand, bounds, joined};
 use super::tube::Tube;
+use crate::box3::Box3;
 use crate::curve::CurveRef;
 use crate::interval::Interval;
 use crate::measure::size;
 use crate::mesh::Certainty;
-use crate::surface::{Dir, SurfaceRef};
+use crate::surface::{Dir, Surface, SurfaceRef};
 use std::fmt;
 use std::sync::Arc;
 
@@ -116,6 +117,11 @@ impl Branch {
         })
     }
 
+    /// Its first and last place.
+    fn end_places(&self) -> [[f64; 2]; 2] {
+        [self.parts[0].points[0], self.parts[self.parts.len() - 1].points[3]]
+    }
+
     /// A box around it in the plane of the parameters.
     pub fn bounds(&self) -> [Interval; 2] {
         bounds(&self.parts)
@@ -160,7 +166,8 @@ pub struct Trace {
     pub branches: Vec<Branch>,
     /// What is not decided.
     pub undecided: Vec<Undecided>,
-    /// Points of the border where a curve reaches the rectangle without entering it, as at a corner.
+    /// Points of the border where a curve reaches the rectangle without entering it, as at a corner; and, on a surface,
+    /// sides that are one point.
     pub touches: Vec<[f64; 2]>,
     /// How many cells were looked at.
     pub cells: usize,
@@ -169,7 +176,7 @@ pub struct Trace {
 /// All curves of zeros of a function in a rectangle: every zero lies on a branch, at a place not decided, or is a touch.
 ///
 /// No branch is lost, however small, and none is joined to another: see the theorem in the source of `cells`. Zeros beyond
-/// the border by less than 10⁻¹² of the width count as on it.
+/// the border by less than 10⁻¹⁰ of the width count as on it.
 ///
 /// Errors: see [`TraceError`]. Cost: some enclosures for each cell; the number of cells grows with the length of the curves
 /// relative to their smallest radius and distance.
@@ -226,6 +233,11 @@ pub fn trace(f: &dyn Field, options: &TraceOptions) -> Result<Trace, TraceError>
     }
     let cuts = [Dir::U, Dir::V].map(|dir| f.jumps(dir));
     trace.branches = branches(strands, &cuts, within, &options.surface);
+    if let Some(surface) = surface {
+        points_in_space(&mut trace, surface, within);
+    }
+    let ends: Vec<[f64; 2]> = trace.branches.iter().flat_map(Branch::end_places).collect();
+    trace.touches = distinct(&trace.touches, &ends, within);
     for end in trace.branches.iter().filter_map(|b| b.ends).flatten() {
         if let BranchEnd::Undecided(k) = end {
             trace.undecided[k].ends += 1;
@@ -266,6 +278,44 @@ fn absorb(cells: &mut Cells, piece: Extended) {
     let kept = kept.into_iter().map(|x| *x.0).collect();
     cells.open.extend(lost);
     cells.arcs = kept;
+}
+
+/// Places nearer than this, relative to the rectangle, are the same.
+const SAME: f64 = 1e-9;
+/// A curve that is shorter than this in space, relative to the surface, along a side that is one point, is that point.
+const POINT: f64 = 1e-9;
+
+/// Places that are neither among others nor repeated.
+fn distinct(places: &[[f64; 2]], others: &[[f64; 2]], within: [Interval; 2]) -> Vec<[f64; 2]> {
+    let same = |a: &[f64; 2], b: &[f64; 2]| {
+        (0..2).all(|d| (a[d] - b[d]).abs() <= SAME * within[d].width())
+    };
+    let mut out: Vec<[f64; 2]> = Vec::new();
+    for p in places {
+        if !out.iter().chain(others).any(|q| same(p, q)) {
+            out.push(*p);
+        }
+    }
+    out
+}
+
+/// A pole on the curve is a whole side of the parameters: such branches become touches.
+fn points_in_space(trace: &mut Trace, surface: &dyn Surface, within: [Interval; 2]) {
+    let least = POINT * size(surface);
+    let is_point = |branch: &Branch| {
+        let on_side = |d: usize| {
+            let (b, w) = (branch.bounds()[d], within[d]);
+            let near = SAME * w.width();
+            b.hi - w.lo <= near || w.hi - b.lo <= near
+        };
+        let places = branch.parts.iter().map(|p| p.points[0]).chain(branch.end_places());
+        let space = Box3::around(places.map(|uv| surface.point(uv)));
+        (on_side(0) || on_side(1)) && space.is_some_and(|b| b.diagonal() <= least)
+    };
+    let (points, curves) = std::mem::take(&mut trace.branches).into_iter().partition(is_point);
+    trace.branches = curves;
+    let points: Vec<Branch> = points;
+    trace.touches.extend(points.iter().map(|b| b.parts[0].points[0]));
 }
 
 /// A part of a branch within one piece.
