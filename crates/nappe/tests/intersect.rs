@@ -71,9 +71,9 @@ fn random_lines_meet_a_torus_as_a_quartic_has_roots() {
     let torus = torus();
     let mut random = Random(3);
     let mut counts = [0; 5];
-    for _ in 0..30 {
-        let mut p = || DVec3::new(random.unit() - 0.5, random.unit() - 0.5, 0.3 * (random.unit() - 0.5));
-        let (a, b) = (p() * 9.0, p() * 9.0);
+    for _ in 0..60 {
+        let mut p = || DVec3::new(random.unit() - 0.5, random.unit() - 0.5, 0.5 * (random.unit() - 0.5));
+        let (a, b) = (p() * 12.0, p() * 12.0);
         let d = (b - a).normalize();
         let line = Line::new(a - d * 20.0, a + d * 20.0).unwrap();
         let found = intersect(&line, &torus, 100_000);

@@ -51,9 +51,10 @@ fn total(t: &Trace) -> f64 {
         (0..=n).map(|k| c.point(f64::from(k) / f64::from(n))).collect()
     };
     let repeated = |k: usize| {
+        let near = 0.002 * length(&curves[k].0);
         curves[..k].iter().any(|(other, _)| {
             let all = places(other, 2000);
-            places(&curves[k].0, 20).iter().all(|p| all.iter().any(|q| p.distance(*q) < 0.005 * (1.0 + p.length())))
+            places(&curves[k].0, 20).iter().all(|p| all.iter().any(|q| p.distance(*q) < near))
         })
     };
     (0..curves.len()).filter(|&k| !repeated(k)).map(|k| length(&curves[k].0)).sum()

@@ -28,6 +28,8 @@ const CUTS: [f64; 4] = [0.487_163_9, 0.513_892_7, 0.479_331_1, 0.521_974_3];
 /// The smallest width of a cell, relative to the rectangle. At a node the function is of the order of its square:
 /// smaller, and rounding would decide.
 const SMALLEST: f64 = 1.0 / (1u64 << 26) as f64;
+/// Cells up to this width with a corner where rounding hides the sign are not halved.
+const HIDDEN: f64 = 1.0 / 1024.0;
 /// The greatest ratio of the relative widths of a cell.
 const ASPECT: f64 = 16.0;
 /// How often a cell has been halved when it is looked at whether f is zero all over it. Sooner, and a few places would
@@ -77,8 +79,9 @@ pub(super) enum CellsError {
 enum Verdict {
     Nothing,
     Arc(Arc),
-    /// The sign in a corner is not known, all else is proven.
-    Corner,
+    /// The sign in a corner is not known, all else is proven. True if that corner is not on the border: then it is chance,
+    /// and other cuts are better.
+    Corner(bool),
     Open,
 }
 
@@ -131,8 +134,12 @@ impl Division<'_> {
                     cells.arcs.push(arc);
                     continue;
                 }
-                Verdict::Corner => corners += 1,
+                Verdict::Corner(inner) => corners += usize::from(inner),
                 Verdict::Open => {}
+            }
+            if self.is_hidden(cell.uv) {
+                cells.open.push(cell.uv);
+                continue;
             }
             if ZERO_TRIED.contains(&cell.halved) && self.is_zero(cell.uv) {
                 return Err(CellsError::Zero(self.inside(cell.uv)));
@@ -191,7 +198,11 @@ impl Division<'_> {
                 let p = [[uv[0].lo, uv[0].hi][i], [uv[1].lo, uv[1].hi][j]];
                 match self.sign(p) {
                     Some(s) => *sign = s,
-                    None => return Verdict::Corner,
+                    None => {
+                        let outer = self.f.outer;
+                        let inner = (0..2).all(|d| outer[d].lo < p[d] && p[d] < outer[d].hi);
+                        return Verdict::Corner(inner);
+                    }
                 }
             }
         }
@@ -219,6 +230,17 @@ impl Division<'_> {
             // Not with a field that keeps its word.
             _ => Verdict::Open,
         }
+    }
+
+    /// True if rounding hides the sign of f in a corner of a small cell: smaller cells would not help. So it is where f
+    /// grows slowly from a border that it is zero on.
+    fn is_hidden(&mut self, uv: [Interval; 2]) -> bool {
+        let small = (0..2).all(|d| self.relative(uv, d) <= HIDDEN);
+        small
+            && (0..4).any(|k| {
+                let p = [[uv[0].lo, uv[0].hi][k & 1], [uv[1].lo, uv[1].hi][k >> 1]];
+                self.sign(p).is_none()
+            })
     }
 
     fn sign(&mut self, p: [f64; 2]) -> Option<bool> {

@@ -254,6 +254,9 @@ pub fn trace(f: &dyn Field, options: &TraceOptions) -> Result<Trace, TraceError>
 /// Cells below this width, relative to the rectangle, say nothing of their own between cells that are not decided.
 const SMALL: f64 = 1.0 / (1u64 << 12) as f64;
 
+/// And so many of them: longer branches are kept.
+const FEW: usize = 4096;
+
 /// Beside a cusp or an almost double curve cells are decided here and there. Branches of small cells that begin and end at
 /// places that are not decided are made parts of these: then each such place is one.
 fn absorb(cells: &mut Cells, piece: Extended) {
@@ -269,7 +272,8 @@ fn absorb(cells: &mut Cells, piece: Extended) {
         let small = |&(k, _): &(usize, usize)| {
             (0..2).all(|d| cells.arcs[k].uv[d].width() <= SMALL * outer[d].width())
         };
-        if !chain.closed && inner(first) && inner((last.0, 1 - last.1)) && chain.arcs.iter().all(small) {
+        let ends = inner(first) && inner((last.0, 1 - last.1));
+        if !chain.closed && ends && chain.arcs.len() <= FEW && chain.arcs.iter().all(small) {
             chain.arcs.iter().for_each(|&(k, _)| open[k] = true);
         }
     }
