@@ -21,9 +21,14 @@ fn sphere(radius: f64) -> SurfaceRef {
 }
 
 fn traced(surface: &SurfaceRef, figure: Figure) -> Trace {
+    traced_to(surface, figure, None)
+}
+
+fn traced_to(surface: &SurfaceRef, figure: Figure, tol: Option<f64>) -> Trace {
     let field = SurfaceField::new(surface.clone(), figure).unwrap();
     let options = TraceOptions {
         surface: Some(surface.clone()),
+        tol,
         ..Default::default()
     };
     trace(&field, &options).unwrap()
@@ -133,15 +138,17 @@ fn villarceau_circles() {
 fn silhouettes_of_a_sphere_are_great_circles() {
     let sphere = sphere(2.0);
     for d in [DVec3::X, DVec3::Y, DVec3::Z, DVec3::new(1.0, 2.0, -0.5), DVec3::new(1.0, 1.0, 0.0)] {
-        let t = traced(&sphere, Figure::Silhouette { direction: d });
+        let t = traced_to(&sphere, Figure::Silhouette { direction: d }, Some(1e-4));
         // Through the poles, where the whole side of parameters is on the curve, it is not decided how.
         for u in &t.undecided {
             let v = u.hull[1];
             let at_pole = v.lo == 0.0 || v.hi == 1.0;
-            assert!(d.z == 0.0 && at_pole && v.width() < 1e-3, "{d}: {:?}", u.hull);
+            assert!(d.z == 0.0 && at_pole && v.width() < 0.02, "{d}: {:?}", u.hull);
         }
         hold(&t, "silhouette", |p| p.dot(d.normalize()));
-        assert!((total(&t) - TAU * 2.0).abs() < 1e-2, "{d}: {}", total(&t));
+        let missing: f64 = t.undecided.iter().map(|u| 2.0 * 2.0 * PI * u.hull[1].width()).sum();
+        let (l, whole) = (total(&t), TAU * 2.0);
+        assert!(l < whole + 1e-3 && l > whole - missing - 1e-3, "{d}: {l}");
     }
     // From a point: a small circle, of half angle acos(r / distance).
     let eye = DVec3::new(0.0, 3.0, 4.0);
@@ -158,7 +165,7 @@ fn isophotes_of_a_sphere_are_circles() {
     let inwards = sphere.jet([0.5, 0.5], [Limit::Above; 2], 1);
     let sign = inwards.normal().unwrap().dot(inwards.point()).signum();
     for d in [DVec3::Z, DVec3::new(1.0, -2.0, 0.3).normalize()] {
-        let t = traced(&sphere, Figure::Isophote { direction: d, angle: FRAC_PI_3 });
+        let t = traced_to(&sphere, Figure::Isophote { direction: d, angle: FRAC_PI_3 }, Some(1e-5));
         assert!(t.undecided.is_empty(), "{:?}", t.undecided);
         hold(&t, "isophote", |p| sign * p.dot(d) - 1.0);
         assert!((total(&t) - TAU * 3f64.sqrt()).abs() < 1e-4, "{}", total(&t));
@@ -187,7 +194,7 @@ fn silhouettes_of_a_torus() {
 fn lines_of_equal_curvature_of_a_torus() {
     // K = cos φ / (r (R + r cos φ)): zero on top and at the bottom.
     let torus = torus();
-    let gaussian = |value| traced(&torus, Figure::Curvature { kind: CurvatureKind::Gaussian, value });
+    let gaussian = |value| traced_to(&torus, Figure::Curvature { kind: CurvatureKind::Gaussian, value }, Some(1e-4));
     let t = gaussian(0.0);
     assert!(t.undecided.is_empty(), "{:?}", t.undecided);
     hold(&t, "K = 0", |p| p.z.abs() - 1.0);
@@ -200,7 +207,7 @@ fn lines_of_equal_curvature_of_a_torus() {
     let sign = nappe::measure::curvature(&n).unwrap().mean.signum();
     // |H| = (R + 2 r cos φ) / (2 r (R + r cos φ)).
     let value = sign * 4.0 / 7.0;
-    let t = traced(&torus, Figure::Curvature { kind: CurvatureKind::Mean, value });
+    let t = traced_to(&torus, Figure::Curvature { kind: CurvatureKind::Mean, value }, Some(1e-4));
     hold(&t, "H at 60°", |p| DVec3::new(p.x, p.y, 0.0).length() - 3.5);
     assert!((total(&t) - 2.0 * TAU * 3.5).abs() < 1e-3);
 }

@@ -1,7 +1,7 @@
 //! Figures of a surface, enclosed with their derivatives to order 2: what curves of constant figure are traced with.
 
 use super::shape::{Shape, ShapeForm, beside, shape};
-use super::taylor::Taylor;
+use super::taylor::{Patch, Taylor};
 use crate::box3::Box3;
 use crate::breaks::Limit;
 use crate::interval::Interval;
@@ -52,7 +52,7 @@ pub(crate) fn curvature_over(
     kind: CurvatureKind,
 ) -> FigureJet {
     if poles.iter().all(|p| !uv[p.d].contains(p.at)) {
-        return jet(&curvature(surface, uv, kind, 2));
+        return jet(&curvature(surface, uv, kind, LOW)[0]);
     }
     let Ok(form) = ShapeForm::new(surface, uv, size) else {
         return UNKNOWN;
@@ -78,13 +78,33 @@ pub(crate) fn curvature_range(
     if poles.iter().any(|p| uv[p.d].contains(p.at)) {
         return curvature_over(surface, uv, poles, size, kind)[0];
     }
-    range(uv, |uv| Some(curvature(surface, uv, kind, HIGH)))
+    curvature(surface, uv, kind, HIGH)[0].c[0]
 }
 
-fn curvature(surface: &dyn Surface, uv: [Interval; 2], kind: CurvatureKind, degree: usize) -> Taylor {
-    let mut over = vec![Box3::ENTIRE; jet_len(degree + 2)];
-    surface.enclose_piece(uv, [Limit::Above; 2], degree + 2, &mut over);
-    of_shape(&shape(&beside(&over, false, degree)), kind)
+/// The Taylor polynomials of a curvature over a box and in its middle, each step as narrow as these make it: curvature is a
+/// quotient, in which wide terms multiply.
+fn curvature(
+    surface: &dyn Surface,
+    uv: [Interval; 2],
+    kind: CurvatureKind,
+    degree: usize,
+) -> [Taylor; 2] {
+    let patch = Patch::new(surface, uv, degree + 2);
+    let offset = patch.offset;
+    let [wide, at] = [&patch.wide, &patch.at].map(|jet| beside(jet, false, degree));
+    let mut narrow = at.iter();
+    let wide = wide.map(|t| match narrow.next() {
+        Some(at) => t.tightened(at, offset),
+        None => t,
+    });
+    let (wide, at) = (shape(&wide), shape(&at));
+    let wide = Shape {
+        p: wide.p.tightened(&at.p, offset),
+        q: wide.q.tightened(&at.q, offset),
+        s: wide.s.tightened(&at.s, offset),
+    };
+    let [wide, at] = [of_shape(&wide, kind), of_shape(&at, kind)];
+    [wide.tightened(&at, offset), at]
 }
 
 fn of_shape(f: &Shape, kind: CurvatureKind) -> Taylor {
@@ -221,6 +241,8 @@ fn equation(surface: &dyn Surface, uv: [Interval; 2], other: Implicit, degree: u
     }
 }
 
+/// The degree for curvatures elsewhere.
+const LOW: usize = 3;
 /// The degree of Taylor polynomials where f is to be told from zero by very little: along a border it is zero on.
 const HIGH: usize = 7;
 

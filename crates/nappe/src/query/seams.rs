@@ -42,7 +42,7 @@ pub(super) fn bounds(parts: &[Part]) -> [Interval; 2] {
 pub(super) fn joined(strands: &[Strand], cuts: &[Vec<f64>; 2], scale: [f64; 2]) -> Vec<(Vec<usize>, bool)> {
     let near = |a: f64, b: f64, d: usize| (a - b).abs() <= SAME * scale[d];
     let same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|d| near(a[d], b[d], d));
-    // Doubles: all of a strand on one line, as another of the other side.
+    // Doubles: a strand on a line, all along another one of the other side.
     let boxes: Vec<[Interval; 2]> = strands.iter().map(Strand::bounds).collect();
     let on_line = |k: usize| {
         (0..2).any(|d| {
@@ -52,9 +52,15 @@ pub(super) fn joined(strands: &[Strand], cuts: &[Vec<f64>; 2], scale: [f64; 2]) 
     };
     let lines: Vec<usize> = (0..strands.len()).filter(|&k| on_line(k)).collect();
     let double = |&k: &usize| {
+        let part = |a: usize, b: usize| {
+            (0..2).all(|d| {
+                let near = SAME * scale[d];
+                boxes[b][d].lo <= boxes[a][d].lo + near && boxes[a][d].hi <= boxes[b][d].hi + near
+            })
+        };
+        // Of equal ones the first is kept.
         let twin = |j: usize| {
-            strands[j].piece < strands[k].piece
-                && (0..2).all(|d| near(boxes[j][d].lo, boxes[k][d].lo, d) && near(boxes[j][d].hi, boxes[k][d].hi, d))
+            strands[j].piece != strands[k].piece && part(k, j) && (!part(j, k) || j < k)
         };
         lines.iter().any(|&j| twin(j))
     };

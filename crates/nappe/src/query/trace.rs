@@ -234,7 +234,7 @@ pub fn trace(f: &dyn Field, options: &TraceOptions) -> Result<Trace, TraceError>
     let cuts = [Dir::U, Dir::V].map(|dir| f.jumps(dir));
     trace.branches = branches(strands, &cuts, within, &options.surface);
     if let Some(surface) = surface {
-        points_in_space(&mut trace, surface, within);
+        points_in_space(&mut trace, surface, within, tol);
     }
     let ends: Vec<[f64; 2]> = trace.branches.iter().flat_map(Branch::end_places).collect();
     trace.touches = distinct(&trace.touches, &ends, within);
@@ -286,8 +286,10 @@ fn absorb(cells: &mut Cells, piece: Extended) {
 
 /// Places nearer than this, relative to the rectangle, are the same.
 const SAME: f64 = 1e-9;
-/// A curve that is shorter than this in space, relative to the surface, along a side that is one point, is that point.
-const POINT: f64 = 1e-9;
+/// A branch this near to a side and this long along it, relative to the rectangle, that is a point in space within the
+/// tolerance, lies on a side that is one point.
+const BESIDE: f64 = 1e-4;
+const ALONG: f64 = 1e-2;
 
 /// Places that are neither among others nor repeated.
 fn distinct(places: &[[f64; 2]], others: &[[f64; 2]], within: [Interval; 2]) -> Vec<[f64; 2]> {
@@ -304,17 +306,17 @@ fn distinct(places: &[[f64; 2]], others: &[[f64; 2]], within: [Interval; 2]) -> 
 }
 
 /// A pole on the curve is a whole side of the parameters: such branches become touches.
-fn points_in_space(trace: &mut Trace, surface: &dyn Surface, within: [Interval; 2]) {
-    let least = POINT * size(surface);
+fn points_in_space(trace: &mut Trace, surface: &dyn Surface, within: [Interval; 2], tol: f64) {
     let is_point = |branch: &Branch| {
+        let b = branch.bounds();
         let on_side = |d: usize| {
-            let (b, w) = (branch.bounds()[d], within[d]);
-            let near = SAME * w.width();
-            b.hi - w.lo <= near || w.hi - b.lo <= near
+            let near = BESIDE * within[d].width();
+            let beside = b[d].hi - within[d].lo <= near || within[d].hi - b[d].lo <= near;
+            beside && b[1 - d].width() >= ALONG * within[1 - d].width()
         };
         let places = branch.parts.iter().map(|p| p.points[0]).chain(branch.end_places());
         let space = Box3::around(places.map(|uv| surface.point(uv)));
-        (on_side(0) || on_side(1)) && space.is_some_and(|b| b.diagonal() <= least)
+        (on_side(0) || on_side(1)) && space.is_some_and(|b| b.diagonal() <= 4.0 * tol)
     };
     let (points, curves) = std::mem::take(&mut trace.branches).into_iter().partition(is_point);
     trace.branches = curves;
