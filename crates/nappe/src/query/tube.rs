@@ -16,6 +16,8 @@ use crate::surface::{Surface, enclose_direct};
 const STEPS: usize = 100;
 /// The narrowest piece, relative to the rectangle: narrower, and rounding decides the residual.
 const NARROWEST: f64 = 1e-12;
+/// A quarter of a piece has at most half its error, where that is of the first order.
+const STUCK: f64 = 0.9;
 /// Pieces that are halved this many times over have found rounding, not shape.
 const DEEPEST: usize = 48;
 
@@ -93,7 +95,7 @@ impl<'a> Tube<'a> {
             None => self.crossing(arc, entry),
         };
         let to = self.crossing(arc, 1 - entry);
-        self.between(arc, from, to, 0);
+        self.between(arc, from, to, 0, [f64::INFINITY; 2]);
         self.last = Some(to);
     }
 
@@ -206,8 +208,9 @@ impl<'a> Tube<'a> {
         }
     }
 
-    /// The pieces between two places of an arc.
-    fn between(&mut self, arc: &Arc, from: Knot, to: Knot, depth: usize) {
+    /// The pieces between two places of an arc; `above` are the errors of the piece of which this is a half, and of that of
+    /// which it is a quarter.
+    fn between(&mut self, arc: &Arc, from: Knot, to: Knot, depth: usize, above: [f64; 2]) {
         let d = arc.over;
         let cubic = self.cubic(&from, &to).map(|c| (self.error_of(arc, &from, &to, &c.points), c));
         let (error, part) = match cubic {
@@ -219,7 +222,10 @@ impl<'a> Tube<'a> {
             }
         };
         let width = (to.uv[d] - from.uv[d]).abs();
+        // Rounding, if a quarter is as far off as the whole.
+        let rounding = above[1].is_finite() && error > STUCK * above[1];
         let last = depth >= DEEPEST
+            || rounding
             || width <= NARROWEST * self.f.rect[d].width()
             || self.budget == 0;
         if error <= self.tol || last {
@@ -235,8 +241,9 @@ impl<'a> Tube<'a> {
             return;
         }
         let knot = self.knot(d, middle, self.zero(d, middle, arc.uv[1 - d]));
-        self.between(arc, from, knot, depth + 1);
-        self.between(arc, knot, to, depth + 1);
+        for (from, to) in [(from, knot), (knot, to)] {
+            self.between(arc, from, to, depth + 1, [error, above[0]]);
+        }
     }
 
     fn push(&mut self, part: Part) {
