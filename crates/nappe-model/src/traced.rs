@@ -8,7 +8,8 @@ use nappe::Certainty;
 use nappe::curve::CurveRef;
 use nappe::measure::CurvatureKind;
 use nappe::query::{
-    Branch, ExpressionField, Field, Figure, FigureError, SurfaceField, Trace, TraceError, TraceOptions, trace,
+    Branch, ExpressionField, Field, Figure, FigureError, SurfaceField, Trace, TraceError,
+    TraceOptions, trace,
 };
 use nappe::significant;
 use nappe::surface::SurfaceRef;
@@ -32,7 +33,8 @@ impl Builder<'_> {
         };
         for place in found.undecided.iter().take(LISTED) {
             let message = format!("{}: not decided at {place}", o.label);
-            let help = "what is drawn is proven elsewhere; move the curve a little to avoid such places";
+            let help =
+                "what is drawn is proven elsewhere; move the curve a little to avoid such places";
             self.diags.push(
                 Diagnostic::new("not-proven", message)
                     .at(o.fields.place("", &[]), o.kind.name)
@@ -42,7 +44,10 @@ impl Builder<'_> {
         }
         let branch = self.branch(o, &found)?;
         if let Certainty::Estimated(_) = branch.certainty {
-            let message = format!("{}: its distance from the exact curve is not bounded", o.label);
+            let message = format!(
+                "{}: its distance from the exact curve is not bounded",
+                o.label
+            );
             self.diags.push(
                 Diagnostic::new("not-proven", message)
                     .at(o.fields.place("", &[]), o.kind.name)
@@ -96,7 +101,11 @@ impl Builder<'_> {
                     FigureError::Point(_) => &["eye", "origin"],
                     _ => &["value"],
                 };
-                let key = keys.iter().copied().find(|k| f.get(k).is_some()).unwrap_or("");
+                let key = keys
+                    .iter()
+                    .copied()
+                    .find(|k| f.get(k).is_some())
+                    .unwrap_or("");
                 Err(self.refuse(o, (key, &[]), e, "change it"))
             }
         }
@@ -121,14 +130,25 @@ impl Builder<'_> {
                 Some(place) => format!("no curve is proven to be there; not decided: {place}"),
                 None => "there is no such curve on the surface".to_owned(),
             };
-            return Err(self.refuse(o, ("", &[]), message, "move it so that it meets the surface"));
+            return Err(self.refuse(
+                o,
+                ("", &[]),
+                message,
+                "move it so that it meets the surface",
+            ));
         }
         match asked {
             None if n == 1 => return Ok(&found.branches[0]),
             Some(k) if (1..=n).contains(&k) => return Ok(&found.branches[k - 1]),
             _ => {}
         }
-        let listed: Vec<String> = found.branches.iter().take(LISTED).enumerate().map(told).collect();
+        let listed: Vec<String> = found
+            .branches
+            .iter()
+            .take(LISTED)
+            .enumerate()
+            .map(told)
+            .collect();
         let more = if n > LISTED { ", …" } else { "" };
         let what = match asked {
             Some(k) => format!("there is no branch {k}"),
@@ -137,7 +157,8 @@ impl Builder<'_> {
         let branches = if n == 1 { "branch" } else { "branches" };
         let message = format!("{what}: {n} {branches}, {}{more}", listed.join(", "));
         let key = if asked.is_some() { "branch" } else { "" };
-        let help = format!("write branch = 1, or another up to {n}; one object for each that is wanted");
+        let help =
+            format!("write branch = 1, or another up to {n}; one object for each that is wanted");
         Err(self.refuse(o, (key, &[]), message, &help))
     }
 }

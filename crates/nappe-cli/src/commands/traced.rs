@@ -3,8 +3,8 @@
 use crate::failure::Failure;
 use crate::fault;
 use crate::screen::Screen;
-use nappe::mesh::flatten;
 use nappe::measure::CurvatureKind;
+use nappe::mesh::flatten;
 use nappe::query::{Figure, SurfaceField, TraceError, TraceOptions, trace};
 use nappe::{DVec3, Interval};
 use nappe_exchange::render::{Line, View};
@@ -123,7 +123,11 @@ impl Traced {
                 Some(eye) => Figure::SilhouetteFrom { eye },
                 None => Figure::Silhouette { direction: towards },
             };
-            wanted.push(Wanted { figure, colour: [0.05, 0.06, 0.08], width: 2.4 });
+            wanted.push(Wanted {
+                figure,
+                colour: [0.05, 0.06, 0.08],
+                width: 2.4,
+            });
         }
         for s in &self.sections {
             let at: Vec<f64> = match s.planes {
@@ -131,12 +135,17 @@ impl Traced {
                 Planes::Count(n) => {
                     let range = extent(model, s.axis);
                     let part = |k: u16| f64::from(k) / f64::from(n + 1);
-                    (1..=n).map(|k| range.lo + (range.hi - range.lo) * part(k)).collect()
+                    (1..=n)
+                        .map(|k| range.lo + (range.hi - range.lo) * part(k))
+                        .collect()
                 }
             };
             let normal = DVec3::AXES[s.axis];
             wanted.extend(at.into_iter().map(|x| Wanted {
-                figure: Figure::Section { point: normal * x, normal },
+                figure: Figure::Section {
+                    point: normal * x,
+                    normal,
+                },
                 colour: [0.75, 0.22, 0.17],
                 width: 1.4,
             }));
@@ -144,13 +153,19 @@ impl Traced {
         for k in 1..=self.isophotes.unwrap_or(0) {
             let angle = PI * f64::from(k) / f64::from(self.isophotes.unwrap_or(0) + 1);
             wanted.push(Wanted {
-                figure: Figure::Isophote { direction: towards, angle },
+                figure: Figure::Isophote {
+                    direction: towards,
+                    angle,
+                },
                 colour: [0.60, 0.35, 0.02],
                 width: 1.4,
             });
         }
         wanted.extend(self.isocurvature.iter().map(|c| Wanted {
-            figure: Figure::Curvature { kind: c.kind, value: c.value },
+            figure: Figure::Curvature {
+                kind: c.kind,
+                value: c.value,
+            },
             colour: [0.10, 0.30, 0.65],
             width: 2.0,
         }));
@@ -183,7 +198,8 @@ fn traced(
     };
     let mut lines = Vec::new();
     for branch in &found.branches {
-        let flat = flatten(branch.curve().as_ref(), tolerance, MOST_POINTS).map_err(|e| refused(&e))?;
+        let flat =
+            flatten(branch.curve().as_ref(), tolerance, MOST_POINTS).map_err(|e| refused(&e))?;
         lines.push(Line {
             colour: wanted.colour,
             width: wanted.width,

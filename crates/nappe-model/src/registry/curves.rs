@@ -240,7 +240,12 @@ pub const CURVES: &[Kind] = &[
         keys: &[
             ON_SURFACE,
             key("direction", DIRECTION, Required, "the direction of light"),
-            key("angle", Angle, Required, "between it and the normal, 0deg to 180deg"),
+            key(
+                "angle",
+                Angle,
+                Required,
+                "between it and the normal, 0deg to 180deg",
+            ),
             BRANCH,
             TRACE_TOLERANCE,
         ],

@@ -58,7 +58,11 @@ pub(crate) fn curvature_over(
         return UNKNOWN;
     };
     let [wide, at] = [&form.wide, &form.at].map(|s| of_shape(s, kind));
-    let t = if at.is_finite() { wide.tightened(&at, form.offset) } else { wide };
+    let t = if at.is_finite() {
+        wide.tightened(&at, form.offset)
+    } else {
+        wide
+    };
     let mut j = jet(&t);
     if form.exchanged {
         j.swap(1, 2);
@@ -116,7 +120,11 @@ fn of_shape(f: &Shape, kind: CurvatureKind) -> Taylor {
         CurvatureKind::K1 | CurvatureKind::K2 => {
             let off = f.p.sub(&f.s).scale(half);
             let radius = off.sqr().add(&f.q.sqr()).sqrt();
-            if kind == CurvatureKind::K1 { mean.add(&radius) } else { mean.sub(&radius) }
+            if kind == CurvatureKind::K1 {
+                mean.add(&radius)
+            } else {
+                mean.sub(&radius)
+            }
         }
     }
 }
@@ -229,11 +237,15 @@ fn equation(surface: &dyn Surface, uv: [Interval; 2], other: Implicit, degree: u
         Implicit::Cylinder { axis, radius, .. } => {
             less(square.sub(&along(&way, axis).sqr()), sqr(radius))
         }
-        Implicit::Cone { axis, half_angle, .. } => {
+        Implicit::Cone {
+            axis, half_angle, ..
+        } => {
             let cosine = Interval::point(half_angle).cos().sqr();
             along(&way, axis).sqr().sub(&square.scale(cosine))
         }
-        Implicit::Torus { axis, major, minor, .. } => {
+        Implicit::Torus {
+            axis, major, minor, ..
+        } => {
             let off = square.sub(&along(&way, axis).sqr());
             let sum = less(square, sqr(minor) - sqr(major));
             sum.sqr().sub(&off.scale(Interval::point(4.0) * sqr(major)))

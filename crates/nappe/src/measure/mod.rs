@@ -34,8 +34,8 @@ pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes}
 pub use extent::{Extent, extent};
 pub use figures::{CurvatureKind, Implicit};
 pub(crate) use figures::{
-    FigureJet, NormalFigure, Pole, curvature_over, curvature_range, height_over, height_range, implicit_over, implicit_range, normal_over,
-    normal_range, poles,
+    FigureJet, NormalFigure, Pole, curvature_over, curvature_range, height_over, height_range,
+    implicit_over, implicit_range, normal_over, normal_range, poles,
 };
 pub use integral::{IntegralOptions, Measured};
 pub use jump::{Jump, JumpOptions};

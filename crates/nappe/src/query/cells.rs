@@ -258,17 +258,19 @@ impl Division<'_> {
     /// The halves of a cell across the direction along which the slopes change more; `None` if it is too small.
     fn halves(&self, cell: &Cell, cut: f64) -> Option<[Cell; 2]> {
         let width = [0, 1].map(|d| self.relative(cell.uv, d));
-        let bend = self
-            .f
-            .jet(self.inside(cell.uv))
-            .map_or([f64::NAN; 2], |j| {
-                [j[3].mag() * cell.uv[0].width().powi(2), j[5].mag() * cell.uv[1].width().powi(2)]
-            });
+        let bend = self.f.jet(self.inside(cell.uv)).map_or([f64::NAN; 2], |j| {
+            [
+                j[3].mag() * cell.uv[0].width().powi(2),
+                j[5].mag() * cell.uv[1].width().powi(2),
+            ]
+        });
         let d = if width[0] > ASPECT * width[1] {
             0
         } else if width[1] > ASPECT * width[0] {
             1
-        } else if bend.iter().all(|b| b.is_finite()) && bend[0].max(bend[1]) > 4.0 * bend[0].min(bend[1]) {
+        } else if bend.iter().all(|b| b.is_finite())
+            && bend[0].max(bend[1]) > 4.0 * bend[0].min(bend[1])
+        {
             usize::from(bend[1] > bend[0])
         } else {
             usize::from(width[1] > width[0])
@@ -311,7 +313,9 @@ impl Division<'_> {
         let at = |d: usize, k: usize| uv[d].lo + PLACES[k] * (uv[d].hi - uv[d].lo);
         (0..9).all(|k| {
             let p = [at(0, k / 3), at(1, k % 3)].map(Interval::point);
-            self.f.jet(p).is_some_and(|j| j[0].is_finite() && j[0].contains(0.0))
+            self.f
+                .jet(p)
+                .is_some_and(|j| j[0].is_finite() && j[0].contains(0.0))
         })
     }
 }
@@ -329,6 +333,8 @@ pub(super) fn rectangles(fields: &[&dyn Field], within: [Interval; 2]) -> Vec<[I
             .map(|w| Interval { lo: w[0], hi: w[1] })
             .collect::<Vec<_>>()
     });
-    let pairs = ranges[0].iter().flat_map(|&u| ranges[1].iter().map(move |&v| [u, v]));
+    let pairs = ranges[0]
+        .iter()
+        .flat_map(|&u| ranges[1].iter().map(move |&v| [u, v]));
     pairs.collect()
 }

@@ -57,7 +57,9 @@ fn partners(arcs: &[Arc]) -> Vec<[Option<(usize, usize)>; 2]> {
     let mut lines: HashMap<(usize, u64), Sides> = HashMap::new();
     for (k, arc) in arcs.iter().enumerate() {
         for (c, crossing) in arc.crossings.iter().enumerate() {
-            let sides = lines.entry((crossing.d, crossing.at.to_bits())).or_default();
+            let sides = lines
+                .entry((crossing.d, crossing.at.to_bits()))
+                .or_default();
             sides[usize::from(crossing.upper)].push((k, c, crossing));
         }
     }

@@ -116,11 +116,17 @@ pub(super) fn margins(r: Interval, uneven: [f64; 2]) -> Interval {
 pub(super) fn beyond(r: Interval, t: Interval) -> [Option<(Interval, Interval)>; 3] {
     let inside = t.intersection(r).map(|t| (t, Interval::ZERO));
     let below = (t.lo < r.lo).then(|| {
-        let part = Interval { lo: t.lo, hi: t.hi.min(r.lo) };
+        let part = Interval {
+            lo: t.lo,
+            hi: t.hi.min(r.lo),
+        };
         (Interval::point(r.lo), part - Interval::point(r.lo))
     });
     let above = (t.hi > r.hi).then(|| {
-        let part = Interval { lo: t.lo.max(r.hi), hi: t.hi };
+        let part = Interval {
+            lo: t.lo.max(r.hi),
+            hi: t.hi,
+        };
         (Interval::point(r.hi), part - Interval::point(r.hi))
     });
     [inside, below, above]

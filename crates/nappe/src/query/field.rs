@@ -56,7 +56,11 @@ fn on_edge(
     let sum = (0..HIGH).fold(wide.c[HIGH] * x.powi(HIGH as i32), |sum, k| {
         sum + narrow.c[k] * x.powi(k as i32)
     });
-    Some(if sum.is_finite() { sum.meet(wide.c[0]) } else { wide.c[0] })
+    Some(if sum.is_finite() {
+        sum.meet(wide.c[0])
+    } else {
+        wide.c[0]
+    })
 }
 
 /// The value and derivatives of a formula of power series along three directions of the parameter plane.

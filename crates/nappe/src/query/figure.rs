@@ -4,8 +4,9 @@ use super::field::{Field, FieldJet};
 use crate::breaks::{Break, Breaks};
 use crate::interval::Interval;
 use crate::measure::{
-    CurvatureKind, FigureJet, Implicit, NormalFigure, Pole, curvature_over, curvature_range, height_over,
-    height_range, implicit_over, implicit_range, normal_over, normal_range, poles, size,
+    CurvatureKind, FigureJet, Implicit, NormalFigure, Pole, curvature_over, curvature_range,
+    height_over, height_range, implicit_over, implicit_range, normal_over, normal_range, poles,
+    size,
 };
 use crate::surface::{Dir, SurfaceRef};
 use glam::DVec3;
@@ -112,7 +113,10 @@ impl SurfaceField {
                 direction: direction(d)?,
             },
             Figure::SilhouetteFrom { eye } => Figure::SilhouetteFrom { eye: point(eye)? },
-            Figure::Isophote { direction: d, angle } => {
+            Figure::Isophote {
+                direction: d,
+                angle,
+            } => {
                 if !(0.0..=std::f64::consts::PI).contains(&angle) {
                     return Err(FigureError::Angle(angle));
                 }
@@ -192,8 +196,14 @@ impl SurfaceField {
                 return (vec![t], i32::MAX);
             };
             let step = 4.0 * f64::EPSILON * t.mag();
-            let below = Interval { lo: t.lo - step, hi: t.hi };
-            let above = Interval { lo: t.lo, hi: t.hi + step };
+            let below = Interval {
+                lo: t.lo - step,
+                hi: t.hi,
+            };
+            let above = Interval {
+                lo: t.lo,
+                hi: t.hi + step,
+            };
             return match smooth(b) {
                 s if s >= 0 => (vec![below, above], s),
                 _ if beside.hi <= t.lo => (vec![below], i32::MAX),
@@ -213,7 +223,11 @@ fn direction(d: DVec3) -> Result<DVec3, FigureError> {
 }
 
 fn point(p: DVec3) -> Result<DVec3, FigureError> {
-    if p.is_finite() { Ok(p) } else { Err(FigureError::Point(p)) }
+    if p.is_finite() {
+        Ok(p)
+    } else {
+        Err(FigureError::Point(p))
+    }
 }
 
 /// The other surface with a unit axis.
@@ -221,26 +235,55 @@ fn checked(other: Implicit) -> Result<Implicit, FigureError> {
     let length = |what: &'static str, value: f64| {
         let needed = "a positive, finite length";
         let sound = value > 0.0 && value.is_finite();
-        if sound { Ok(value) } else { Err(FigureError::Size { what, value, needed }) }
+        if sound {
+            Ok(value)
+        } else {
+            Err(FigureError::Size {
+                what,
+                value,
+                needed,
+            })
+        }
     };
     Ok(match other {
         Implicit::Sphere { center, radius } => Implicit::Sphere {
             center: point(center)?,
             radius: length("radius", radius)?,
         },
-        Implicit::Cylinder { point: p, axis, radius } => Implicit::Cylinder {
+        Implicit::Cylinder {
+            point: p,
+            axis,
+            radius,
+        } => Implicit::Cylinder {
             point: point(p)?,
             axis: direction(axis)?,
             radius: length("radius", radius)?,
         },
-        Implicit::Cone { apex, axis, half_angle } => {
+        Implicit::Cone {
+            apex,
+            axis,
+            half_angle,
+        } => {
             if !(half_angle > 0.0 && half_angle < std::f64::consts::FRAC_PI_2) {
                 let needed = "an angle between 0 and pi/2 (90deg)";
-                return Err(FigureError::Size { what: "half angle", value: half_angle, needed });
+                return Err(FigureError::Size {
+                    what: "half angle",
+                    value: half_angle,
+                    needed,
+                });
             }
-            Implicit::Cone { apex: point(apex)?, axis: direction(axis)?, half_angle }
+            Implicit::Cone {
+                apex: point(apex)?,
+                axis: direction(axis)?,
+                half_angle,
+            }
         }
-        Implicit::Torus { center, axis, major, minor } => Implicit::Torus {
+        Implicit::Torus {
+            center,
+            axis,
+            major,
+            minor,
+        } => Implicit::Torus {
             center: point(center)?,
             axis: direction(axis)?,
             major: length("major radius", major)?,

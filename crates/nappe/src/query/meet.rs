@@ -120,7 +120,10 @@ pub fn meet(f: &dyn Field, g: &dyn Field, options: &MeetOptions) -> Result<Meets
         }
         for group in clusters(&found.open) {
             let cells: Vec<_> = group.iter().map(|&k| found.open[k]).collect();
-            let hull = cells.iter().copied().reduce(|a, b| [0, 1].map(|d| a[d].hull(b[d])));
+            let hull = cells
+                .iter()
+                .copied()
+                .reduce(|a, b| [0, 1].map(|d| a[d].hull(b[d])));
             out.undecided.push(Undecided {
                 hull: hull.unwrap_or(*rect),
                 cells,

@@ -31,6 +31,6 @@ pub use field::{ExpressionField, Field, FieldJet, FormulaField};
 pub use figure::{Figure, FigureError, SurfaceField};
 pub use intersect::{CurveSurface, CurveSurfacePoint, intersect};
 pub use meet::{MeetOptions, MeetPoint, Meets, meet};
+pub use nearest::{Finder, FinderOptions, Nearest, QueryError};
 pub use path::Path;
 pub use trace::{Branch, BranchEnd, Trace, TraceError, TraceOptions, Undecided, trace};
-pub use nearest::{Finder, FinderOptions, Nearest, QueryError};

@@ -63,7 +63,9 @@ impl Path {
             {
                 last.smooth = i32::from(part.smooth);
             }
-            let cuts = surface.as_ref().map_or_else(Vec::new, |s| cuts(&part.points, s));
+            let cuts = surface
+                .as_ref()
+                .map_or_else(Vec::new, |s| cuts(&part.points, s));
             let mut from = 0.0;
             for (to, smooth) in cuts.into_iter().chain([(1.0, 0)]) {
                 let at = (before + to * part.length) / total;
@@ -270,9 +272,11 @@ fn cuts(b: &Cubic, surface: &SurfaceRef) -> Vec<(f64, i32)> {
     let mut found: Vec<(f64, i32)> = Vec::new();
     for dir in [Dir::U, Dir::V] {
         let d = dir as usize;
-        let (lo, hi) = b.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| {
-            (l.min(p[d]), h.max(p[d]))
-        });
+        let (lo, hi) = b
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| {
+                (l.min(p[d]), h.max(p[d]))
+            });
         let breaks = surface.breaks(dir);
         for at in &breaks[1..breaks.len() - 1] {
             if lo < at.at && at.at < hi {

@@ -35,11 +35,17 @@ impl Strand {
 pub(super) fn bounds(parts: &[Part]) -> [Interval; 2] {
     let first = parts[0].points[0].map(Interval::point);
     let points = parts.iter().flat_map(|p| p.points);
-    points.fold(first, |b, p| [0, 1].map(|d| b[d].hull(Interval::point(p[d]))))
+    points.fold(first, |b, p| {
+        [0, 1].map(|d| b[d].hull(Interval::point(p[d])))
+    })
 }
 
 /// Which strands follow each other: lists of their numbers, and whether the list is closed. Strands left out are doubles.
-pub(super) fn joined(strands: &[Strand], cuts: &[Vec<f64>; 2], scale: [f64; 2]) -> Vec<(Vec<usize>, bool)> {
+pub(super) fn joined(
+    strands: &[Strand],
+    cuts: &[Vec<f64>; 2],
+    scale: [f64; 2],
+) -> Vec<(Vec<usize>, bool)> {
     let near = |a: f64, b: f64, d: usize| (a - b).abs() <= SAME * scale[d];
     let same = |a: [f64; 2], b: [f64; 2]| (0..2).all(|d| near(a[d], b[d], d));
     // Doubles: a strand on a line, all along another one of the other side.
@@ -47,7 +53,9 @@ pub(super) fn joined(strands: &[Strand], cuts: &[Vec<f64>; 2], scale: [f64; 2]) 
     let on_line = |k: usize| {
         (0..2).any(|d| {
             let b = boxes[k][d];
-            cuts[d].iter().any(|&at| near(b.lo, at, d) && near(b.hi, at, d))
+            cuts[d]
+                .iter()
+                .any(|&at| near(b.lo, at, d) && near(b.hi, at, d))
         })
     };
     let lines: Vec<usize> = (0..strands.len()).filter(|&k| on_line(k)).collect();
@@ -59,22 +67,26 @@ pub(super) fn joined(strands: &[Strand], cuts: &[Vec<f64>; 2], scale: [f64; 2]) 
             })
         };
         // Of equal ones the first is kept.
-        let twin = |j: usize| {
-            strands[j].piece != strands[k].piece && part(k, j) && (!part(j, k) || j < k)
-        };
+        let twin =
+            |j: usize| strands[j].piece != strands[k].piece && part(k, j) && (!part(j, k) || j < k);
         lines.iter().any(|&j| twin(j))
     };
     let mut gone = vec![false; strands.len()];
-    lines.iter().filter(|k| double(k)).for_each(|&k| gone[k] = true);
+    lines
+        .iter()
+        .filter(|k| double(k))
+        .for_each(|&k| gone[k] = true);
     // The only one that begins where another one ends.
     let mut next = vec![None; strands.len()];
     let mut before = vec![None; strands.len()];
-    let starts: Vec<usize> = (0..strands.len()).filter(|&k| !gone[k] && strands[k].open[0]).collect();
+    let starts: Vec<usize> = (0..strands.len())
+        .filter(|&k| !gone[k] && strands[k].open[0])
+        .collect();
     for k in (0..strands.len()).filter(|&k| !gone[k] && strands[k].open[1]) {
         let end = strands[k].ends()[1];
-        let mut found = starts.iter().filter(|&&j| {
-            strands[j].piece != strands[k].piece && same(strands[j].ends()[0], end)
-        });
+        let mut found = starts
+            .iter()
+            .filter(|&&j| strands[j].piece != strands[k].piece && same(strands[j].ends()[0], end));
         if let (Some(&j), None) = (found.next(), found.next())
             && before[j].is_none()
         {

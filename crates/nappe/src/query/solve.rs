@@ -8,8 +8,8 @@
 
 use super::chains::touch;
 use crate::interval::Interval;
-use std::collections::VecDeque;
 use std::array::from_fn;
+use std::collections::VecDeque;
 
 /// The space around a box, relative to its width.
 const AROUND: f64 = 0.125;
@@ -85,14 +85,25 @@ pub(super) fn solve<const N: usize>(
                 }
             }
             let relative = |k: usize| x[k].width() / start[k].width();
-            let d = (0..N).max_by(|&a, &b| relative(a).total_cmp(&relative(b))).unwrap_or(0);
+            let d = (0..N)
+                .max_by(|&a, &b| relative(a).total_cmp(&relative(b)))
+                .unwrap_or(0);
             let at = x[d].lo + CUT * (x[d].hi - x[d].lo);
             let narrow = relative(d) <= smallest || at <= x[d].lo || at >= x[d].hi;
             if narrow || out.looked + queue.len() >= budget {
                 out.open.push(x);
                 break;
             }
-            for range in [Interval { lo: x[d].lo, hi: at }, Interval { lo: at, hi: x[d].hi }] {
+            for range in [
+                Interval {
+                    lo: x[d].lo,
+                    hi: at,
+                },
+                Interval {
+                    lo: at,
+                    hi: x[d].hi,
+                },
+            ] {
                 let mut half = x;
                 half[d] = range;
                 queue.push_back(half);
@@ -102,7 +113,8 @@ pub(super) fn solve<const N: usize>(
     }
     // Boxes that were open before the zero in them was found.
     let zeros = &out.zeros;
-    out.open.retain(|x| !zeros.iter().any(|z| encloses(&z.alone, x)));
+    out.open
+        .retain(|x| !zeros.iter().any(|z| encloses(&z.alone, x)));
     out
 }
 
@@ -181,8 +193,14 @@ fn krawczyk<const N: usize>(
     for i in 0..N {
         for j in 0..N {
             k[i] = k[i] - Interval::point(y[i][j]) * f[j];
-            let product = (0..N).fold(Interval::ZERO, |s, l| s + Interval::point(y[i][l]) * slopes[l][j]);
-            let unit = if i == j { Interval::ONE } else { Interval::ZERO };
+            let product = (0..N).fold(Interval::ZERO, |s, l| {
+                s + Interval::point(y[i][l]) * slopes[l][j]
+            });
+            let unit = if i == j {
+                Interval::ONE
+            } else {
+                Interval::ZERO
+            };
             k[i] = k[i] + (unit - product) * (x[j] - middle[j]);
         }
     }

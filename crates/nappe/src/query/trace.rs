@@ -119,7 +119,10 @@ impl Branch {
 
     /// Its first and last place.
     fn end_places(&self) -> [[f64; 2]; 2] {
-        [self.parts[0].points[0], self.parts[self.parts.len() - 1].points[3]]
+        [
+            self.parts[0].points[0],
+            self.parts[self.parts.len() - 1].points[3],
+        ]
     }
 
     /// A box around it in the plane of the parameters.
@@ -277,7 +280,11 @@ fn absorb(cells: &mut Cells, piece: Extended) {
             chain.arcs.iter().for_each(|&(k, _)| open[k] = true);
         }
     }
-    let (lost, kept) = cells.arcs.iter().zip(&open).partition::<Vec<_>, _>(|x| *x.1);
+    let (lost, kept) = cells
+        .arcs
+        .iter()
+        .zip(&open)
+        .partition::<Vec<_>, _>(|x| *x.1);
     let lost: Vec<_> = lost.into_iter().map(|x| x.0.uv).collect();
     let kept = kept.into_iter().map(|x| *x.0).collect();
     cells.open.extend(lost);
@@ -314,14 +321,22 @@ fn points_in_space(trace: &mut Trace, surface: &dyn Surface, within: [Interval; 
             let beside = b[d].hi - within[d].lo <= near || within[d].hi - b[d].lo <= near;
             beside && b[1 - d].width() >= ALONG * within[1 - d].width()
         };
-        let places = branch.parts.iter().map(|p| p.points[0]).chain(branch.end_places());
+        let places = branch
+            .parts
+            .iter()
+            .map(|p| p.points[0])
+            .chain(branch.end_places());
         let space = Box3::around(places.map(|uv| surface.point(uv)));
         (on_side(0) || on_side(1)) && space.is_some_and(|b| b.diagonal() <= 4.0 * tol)
     };
-    let (points, curves) = std::mem::take(&mut trace.branches).into_iter().partition(is_point);
+    let (points, curves) = std::mem::take(&mut trace.branches)
+        .into_iter()
+        .partition(is_point);
     trace.branches = curves;
     let points: Vec<Branch> = points;
-    trace.touches.extend(points.iter().map(|b| b.parts[0].points[0]));
+    trace
+        .touches
+        .extend(points.iter().map(|b| b.parts[0].points[0]));
 }
 
 /// A part of a branch within one piece.
@@ -338,8 +353,10 @@ fn branches(
     within: [Interval; 2],
     surface: &Option<SurfaceRef>,
 ) -> Vec<Branch> {
-    let (strands, rest): (Vec<_>, Vec<_>) =
-        found.into_iter().map(|f| (f.strand, (f.ends, f.error))).unzip();
+    let (strands, rest): (Vec<_>, Vec<_>) = found
+        .into_iter()
+        .map(|f| (f.strand, (f.ends, f.error)))
+        .unzip();
     let lists = joined(&strands, cuts, within.map(Interval::width));
     let make = |(list, closed): (Vec<usize>, bool)| {
         let mut parts: Vec<Part> = Vec::new();
@@ -390,8 +407,14 @@ impl Join<'_> {
     fn add(&self, trace: &mut Trace, out: &mut Vec<Found>, budget: &mut usize) {
         let first = trace.undecided.len();
         for group in clusters(&self.cells.open) {
-            let cells: Vec<_> = group.iter().map(|&k| self.inside(self.cells.open[k])).collect();
-            let hull = cells.iter().copied().reduce(|a, b| [0, 1].map(|d| a[d].hull(b[d])));
+            let cells: Vec<_> = group
+                .iter()
+                .map(|&k| self.inside(self.cells.open[k]))
+                .collect();
+            let hull = cells
+                .iter()
+                .copied()
+                .reduce(|a, b| [0, 1].map(|d| a[d].hull(b[d])));
             trace.undecided.push(Undecided {
                 hull: hull.unwrap_or(self.piece.rect),
                 cells,
@@ -409,7 +432,10 @@ impl Join<'_> {
             self.piece.clamp(uv.map(|t| t.lo)),
             self.piece.clamp(uv.map(|t| t.hi)),
         );
-        [0, 1].map(|d| Interval { lo: lo[d], hi: hi[d] })
+        [0, 1].map(|d| Interval {
+            lo: lo[d],
+            hi: hi[d],
+        })
     }
 
     fn strand(
@@ -432,7 +458,8 @@ impl Join<'_> {
         let walk = |absorbs: bool| {
             let mut tube = tube();
             tube.absorbs = absorbs;
-            way.iter().for_each(|&(k, entry)| tube.through(&arcs[k], entry));
+            way.iter()
+                .for_each(|&(k, entry)| tube.through(&arcs[k], entry));
             tube
         };
         let mut tube = walk(true);
@@ -452,7 +479,11 @@ impl Join<'_> {
                     return BranchEnd::Border;
                 }
                 let at = Interval::point(crossing.at);
-                let edge = if crossing.d == 0 { [at, crossing.along] } else { [crossing.along, at] };
+                let edge = if crossing.d == 0 {
+                    [at, crossing.along]
+                } else {
+                    [crossing.along, at]
+                };
                 let edge = self.inside(edge);
                 let found = trace.undecided[first..]
                     .iter()
@@ -478,7 +509,9 @@ impl Join<'_> {
         };
         let (start, end) = (tube.parts.first()?.points[0], tube.parts.last()?.points[3]);
         let open = match ends {
-            Some(e) => [(e[0], start), (e[1], end)].map(|(e, p)| e == BranchEnd::Border && inner(p)),
+            Some(e) => {
+                [(e[0], start), (e[1], end)].map(|(e, p)| e == BranchEnd::Border && inner(p))
+            }
             None => [false; 2],
         };
         let error = tube.bound();
@@ -487,6 +520,10 @@ impl Join<'_> {
             piece: self.number,
             open,
         };
-        Some(Found { strand, ends, error })
+        Some(Found {
+            strand,
+            ends,
+            error,
+        })
     }
 }

@@ -134,7 +134,8 @@ impl<'a> Tube<'a> {
         let held = at.clamp(self.f.rect[d].lo, self.f.rect[d].hi);
         // Within the margin the place on the border is meant, if the arc reaches it.
         let zero = if held != at && arc.over == d {
-            self.changes(d, held, along).then(|| self.zero(d, held, along))
+            self.changes(d, held, along)
+                .then(|| self.zero(d, held, along))
         } else {
             None
         };
@@ -212,7 +213,9 @@ impl<'a> Tube<'a> {
     /// which it is a quarter.
     fn between(&mut self, arc: &Arc, from: Knot, to: Knot, depth: usize, above: [f64; 2]) {
         let d = arc.over;
-        let cubic = self.cubic(&from, &to).map(|c| (self.error_of(arc, &from, &to, &c.points), c));
+        let cubic = self
+            .cubic(&from, &to)
+            .map(|c| (self.error_of(arc, &from, &to, &c.points), c));
         let (error, part) = match cubic {
             Some(c) if c.0 <= self.tol => c,
             _ => {
@@ -229,7 +232,11 @@ impl<'a> Tube<'a> {
             || width <= NARROWEST * self.f.rect[d].width()
             || self.budget == 0;
         if error <= self.tol || last {
-            self.error = if error.is_nan() { f64::INFINITY } else { self.error.max(error) };
+            self.error = if error.is_nan() {
+                f64::INFINITY
+            } else {
+                self.error.max(error)
+            };
             self.push(part);
             return;
         }
@@ -328,10 +335,14 @@ impl<'a> Tube<'a> {
 
     fn try_error(&self, arc: &Arc, from: &Knot, to: &Knot, b: &Cubic) -> Option<f64> {
         let (d, o) = (arc.over, 1 - arc.over);
-        let span = from.zero[d].hull(to.zero[d]).hull(Interval::new(from.uv[d], to.uv[d]));
+        let span = from.zero[d]
+            .hull(to.zero[d])
+            .hull(Interval::new(from.uv[d], to.uv[d]));
         // The path must not turn back: its Bézier points run one way.
         let forward = to.uv[d] >= from.uv[d];
-        if b.windows(2).any(|w| (w[1][d] - w[0][d] < 0.0) == forward && w[1][d] != w[0][d]) {
+        if b.windows(2)
+            .any(|w| (w[1][d] - w[0][d] < 0.0) == forward && w[1][d] != w[0][d])
+        {
             return None;
         }
         // The arc over the span: in its cell, and as steep as the slopes allow from both ends.
@@ -348,7 +359,9 @@ impl<'a> Tube<'a> {
                 }
             }
         }
-        let path = b.iter().fold(Interval::point(b[0][o]), |h, p| h.hull(Interval::point(p[o])));
+        let path = b.iter().fold(Interval::point(b[0][o]), |h, p| {
+            h.hull(Interval::point(p[o]))
+        });
         let all = place(d, span, height.hull(path));
         let all = [0, 1].map(|k| Interval {
             lo: all[k].lo.max(self.f.outer[k].lo),
@@ -368,7 +381,9 @@ impl<'a> Tube<'a> {
         let late = late[0].max(late[1]);
         let climb = (slopes[1 + d] / slopes[1 + o]).mag();
         let error = stretch[o] * off + late * (stretch[d] + stretch[o] * climb);
-        (error * (1.0 + 1e-14)).is_finite().then_some(error * (1.0 + 1e-14))
+        (error * (1.0 + 1e-14))
+            .is_finite()
+            .then_some(error * (1.0 + 1e-14))
     }
 
     /// A bound for |f| on a cubic, given that at its ends and enclosures of the slopes around it. Where that is more than
@@ -382,13 +397,19 @@ impl<'a> Tube<'a> {
         halvings: usize,
     ) -> Option<f64> {
         let path = [0, 1].map(|k| {
-            let (lo, hi) = b.iter().fold((b[0][k], b[0][k]), |(l, h), p| (l.min(p[k]), h.max(p[k])));
+            let (lo, hi) = b
+                .iter()
+                .fold((b[0][k], b[0][k]), |(l, h), p| (l.min(p[k]), h.max(p[k])));
             let r = self.f.rect[k];
-            Interval { lo: lo.clamp(r.lo, r.hi), hi: hi.clamp(r.lo, r.hi) }
+            Interval {
+                lo: lo.clamp(r.lo, r.hi),
+                hi: hi.clamp(r.lo, r.hi),
+            }
         });
         let j = self.f.jet(path)?;
         let three = Interval::point(3.0);
-        let difference = |i: usize, k: usize| Interval::point(b[i + 1][k]) - Interval::point(b[i][k]);
+        let difference =
+            |i: usize, k: usize| Interval::point(b[i + 1][k]) - Interval::point(b[i][k]);
         let first = [0, 1].map(|k| {
             let [x, y, z] = [0, 1, 2].map(|i| three * difference(i, k));
             x.hull(y).hull(z)
@@ -409,7 +430,10 @@ impl<'a> Tube<'a> {
         if bound <= enough || halvings == 0 || known > 0.5 * enough {
             return Some(bound);
         }
-        let middle = self.f.jet(self.f.clamp(value(b, 0.5)).map(Interval::point))?[0].mag();
+        let middle = self
+            .f
+            .jet(self.f.clamp(value(b, 0.5)).map(Interval::point))?[0]
+            .mag();
         if middle > 0.5 * enough {
             return Some(bound);
         }
@@ -417,8 +441,16 @@ impl<'a> Tube<'a> {
             self.residual(&section(b, from, to), ends, slopes, enough, halvings - 1)
         };
         let first = half(0.0, 0.5, [ends[0], middle])?;
-        let second = if first <= enough { half(0.5, 1.0, [middle, ends[1]])? } else { first };
-        Some(if first <= enough { first.max(second) } else { bound })
+        let second = if first <= enough {
+            half(0.5, 1.0, [middle, ends[1]])?
+        } else {
+            first
+        };
+        Some(if first <= enough {
+            first.max(second)
+        } else {
+            bound
+        })
     }
 
     /// How far a step of the parameters goes at most.
