@@ -278,9 +278,9 @@ impl<'a> Tube<'a> {
         if !self.absorbs || part.length > SHORTEST {
             return false;
         }
-        let stretch = self.stretch(part.points[0].map(|x| Interval::point(x)));
+        let stretch = self.stretch(part.points[0].map(Interval::point));
         let off = part.length * (self.scale[0] * stretch[0] + self.scale[1] * stretch[1]);
-        if !(off <= self.tol * SHORT_SHARE) {
+        if off.is_nan() || off > self.tol * SHORT_SHARE {
             return false;
         }
         match self.parts.last_mut() {
