@@ -135,8 +135,8 @@ const ROWS: &[Row] = &[
     ),
     (
         "[curves.c]\nkind = 'section'\nsurface = 't'\nnormal = 'x'\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1",
-        (2, 1),
-        &["curve `c`", "2 branches", "closed"],
+        (2, 9),
+        &["curve `c`", "2 branches", "1 in u 0.25"],
         "branch = 1",
     ),
     (
@@ -147,13 +147,13 @@ const ROWS: &[Row] = &[
     ),
     (
         "[curves.c]\nkind = 'section'\nsurface = 't'\norigin = [9, 0, 0]\nnormal = 'x'\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1",
-        (2, 1),
+        (2, 9),
         &["curve `c`", "no such curve"],
         "meets the surface",
     ),
     (
         "[curves.c]\nkind = 'trace'\nsurface = 't'\nf = 'u - u'\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1",
-        (2, 1),
+        (2, 9),
         &["curve `c`", "all over"],
         "elsewhere",
     ),

@@ -105,17 +105,17 @@ const CURVES: &[(&str, &str)] = &[
     ),
     (
         "section",
-        "[surfaces.bead]\nkind = \"sphere\"\nradius = 2\n\n[curves.parallel]\nkind = \"section\"\nsurface = \"bead\"\n\
+        "[surfaces.bead]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [2]\n\n[curves.parallel]\nkind = \"section\"\nsurface = \"bead\"\n\
          origin = [0, 0, 0.8]\nnormal = \"z\"\n",
     ),
     (
         "silhouette",
-        "[surfaces.bead]\nkind = \"sphere\"\nradius = 2\n\n[curves.contour]\nkind = \"silhouette\"\nsurface = \"bead\"\n\
+        "[surfaces.bead]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [2]\n\n[curves.contour]\nkind = \"silhouette\"\nsurface = \"bead\"\n\
          direction = [1, 2, 5]\n",
     ),
     (
         "isophote",
-        "[surfaces.bead]\nkind = \"sphere\"\nradius = 2\n\n[curves.lit]\nkind = \"isophote\"\nsurface = \"bead\"\n\
+        "[surfaces.bead]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [2]\n\n[curves.lit]\nkind = \"isophote\"\nsurface = \"bead\"\n\
          direction = [1, 2, 5]\nangle = \"40deg\"\n",
     ),
     (
