@@ -189,6 +189,30 @@ const CHAPTERS: &[(&str, &[Picture])] = &[
         ],
     ),
     (
+        "Curves on surfaces",
+        &[
+            Picture(
+                "curves-on-surfaces",
+                "curves-on-surfaces.png",
+                "--curves --isolines 3",
+                "Curves given by conditions: f(u, v) = 0, a plane section, a silhouette, an isophote, and the circle where \
+                 the Gaussian curvature of a ring changes its sign.",
+            ),
+            Picture(
+                "quadrics",
+                "quadrics-sections.png",
+                "--azimuth 25 --elevation 38 --isolines 0 --silhouettes --sections z:10",
+                "Silhouettes and plane sections, traced on the surfaces and not on their meshes.",
+            ),
+            Picture(
+                "vase",
+                "vase-isophotes.png",
+                "--isolines 0 --silhouettes --isophotes 14 --isocurvature gaussian=0",
+                "Lines of equal angle to the view, and in blue where the Gaussian curvature is zero.",
+            ),
+        ],
+    ),
+    (
         "Closed forms",
         &[
             Picture(

@@ -47,6 +47,7 @@ pub mod registry;
 mod round;
 mod schema;
 mod surfaces;
+mod traced;
 mod value;
 
 pub use checks::{Check, CheckSide, CheckTolerance, Continuity};

@@ -51,6 +51,7 @@ const EXAMPLES: &[Example] = bundled![
     "bottle",
     "coons-blending",
     "coons-neighbour",
+    "curves-on-surfaces",
     "diagonal-key",
     "diagonal-key-space",
     "diagonal-key-stitched",

@@ -11,6 +11,7 @@ mod project;
 mod render;
 mod report;
 mod schema;
+mod traced;
 
 use crate::failure::Failure;
 use crate::screen::Screen;

@@ -1,5 +1,6 @@
 //! `nappe render`.
 
+use super::traced::Traced;
 use crate::failure::{Failure, Problem};
 use crate::fault;
 use crate::model::ModelArgs;
@@ -25,7 +26,9 @@ Examples:
   nappe render vase.nappe.toml -o vase.png
   nappe render vase.nappe.toml -o vase.svg --view front --projection parallel --isolines 8
   nappe render vase.nappe.toml -o bend.png --style curvature-gaussian --size 1200x1200
-  nappe render wing.nappe.toml -o wing.png --style zebra --azimuth 30 --elevation 20")]
+  nappe render wing.nappe.toml -o wing.png --style zebra --azimuth 30 --elevation 20
+  nappe render vase.nappe.toml -o lines.png --silhouettes --sections z:12 --isolines 0
+  nappe render vase.nappe.toml -o light.png --isophotes 8 --isocurvature gaussian=0")]
 pub(crate) struct Args {
     #[command(flatten)]
     model: ModelArgs,
@@ -61,6 +64,9 @@ pub(crate) struct Args {
     /// Lines of constant u and of constant v on each surface, between its sides. Default: 4 if shaded, 9 for wire
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=500))]
     isolines: Option<u16>,
+
+    #[command(flatten)]
+    traced: Traced,
 
     /// Draw the control nets
     #[arg(long)]
@@ -142,7 +148,13 @@ impl Args {
             asked => (scene::scene(&model, detail, asked, screen)?, Vec::new()),
         };
         let options = self.options(&model, &mut scene);
+        let view = options.view;
         let mut picture = Picture::new(&scene, options).lines(self.lines(&model, tolerance)?);
+        if self.traced.any() {
+            let eye = picture.eye().map_err(|e| Problem::new(e.to_string()))?;
+            let lines = self.traced.lines(&model, view, eye, tolerance, screen)?;
+            picture = picture.lines(lines);
+        }
         if self.nets {
             picture = picture.nets(model.output().filter_map(net));
         }

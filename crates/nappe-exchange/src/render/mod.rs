@@ -239,6 +239,14 @@ impl<'a> Picture<'a> {
         self
     }
 
+    /// Where the eye is; `None` if the projection is parallel: then it is everywhere towards the third of [`View::axes`].
+    ///
+    /// # Errors
+    /// [`PictureError`]: options out of range.
+    pub fn eye(&self) -> Result<Option<DVec3>, PictureError> {
+        Ok(self.stage()?.camera.eye())
+    }
+
     /// Writes `.png` or `.svg`, as the path's ending says.
     ///
     /// # Errors

@@ -258,6 +258,13 @@ impl Camera {
         ) - self.eye
     }
 
+    /// The eye in space; `None` for parallel rays.
+    pub(crate) fn eye(&self) -> Option<DVec3> {
+        let [x, y, z] = self.axes;
+        let eye = self.origin + x * self.eye.x + y * self.eye.y - z * self.eye.z;
+        self.perspective.then_some(eye)
+    }
+
     pub(crate) fn project(&self, p: DVec3) -> Pixel {
         let q = self.local(p);
         let s = if self.perspective {

@@ -198,6 +198,80 @@ pub const CURVES: &[Kind] = &[
         ],
     },
     Kind {
+        name: "trace",
+        doc: "the curve on a surface where an expression in its parameters is zero",
+        keys: &[
+            ON_SURFACE,
+            key(
+                "f",
+                Formula(&["u", "v"]),
+                Required,
+                "zero on the curve; u and v run over the surface's own ranges, mostly 0 to 1",
+            ),
+            BRANCH,
+            TRACE_TOLERANCE,
+        ],
+    },
+    Kind {
+        name: "section",
+        doc: "the curve in which a surface meets a plane",
+        keys: &[
+            ON_SURFACE,
+            PLANE_KEYS[0],
+            PLANE_KEYS[1],
+            BRANCH,
+            TRACE_TOLERANCE,
+        ],
+    },
+    Kind {
+        name: "silhouette",
+        doc: "the curve on which a surface is seen edge-on",
+        keys: &[
+            ON_SURFACE,
+            key("direction", DIRECTION, Form(0), "seen from afar along this"),
+            key("eye", Vector, Form(1), "seen from this point"),
+            BRANCH,
+            TRACE_TOLERANCE,
+        ],
+    },
+    Kind {
+        name: "isophote",
+        doc: "the curve on which a surface's normal has an angle with a direction",
+        keys: &[
+            ON_SURFACE,
+            key("direction", DIRECTION, Required, "the direction of light"),
+            key(
+                "angle",
+                Angle,
+                Required,
+                "between it and the normal, 0deg to 180deg",
+            ),
+            BRANCH,
+            TRACE_TOLERANCE,
+        ],
+    },
+    Kind {
+        name: "isocurvature",
+        doc: "the curve on which a curvature of a surface has a value",
+        keys: &[
+            ON_SURFACE,
+            key(
+                "curvature",
+                Choice(&["gaussian", "mean", "k1", "k2"]),
+                Required,
+                "which curvature; k1 is the larger of the principal ones, k2 the smaller",
+            ),
+            key(
+                "value",
+                Number,
+                Required,
+                "in 1/length, gaussian 1/length²; positive where the surface bends towards its normal",
+            ),
+            BRANCH,
+            TRACE_TOLERANCE,
+        ],
+    },
+    Kind {
         name: "side",
         doc: "a side of a surface; the same as writing its name",
         keys: &[key("side", Side, Required, "such as \"dome.south\"")],

@@ -98,6 +98,19 @@ pub(super) const SIMILARITY: [Key; 4] = [
         "mirrored in a plane, first",
     ),
 ];
+pub(super) const ON_SURFACE: Key = key("surface", Surface, Required, "the surface");
+pub(super) const BRANCH: Key = key(
+    "branch",
+    Count(1),
+    Optional("the only one"),
+    "which of several branches, counted from 1 by their least u, then v",
+);
+pub(super) const TRACE_TOLERANCE: Key = key(
+    "tolerance",
+    Number,
+    Optional("a millionth of the surface's size"),
+    "the greatest distance from the exact curve",
+);
 pub(super) const NEIGHBOUR: &[Key] = &[key(
     "from",
     Side,

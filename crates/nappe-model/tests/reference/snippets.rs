@@ -100,6 +100,30 @@ const CURVES: &[(&str, &str)] = &[
         "[curves.middle]\nkind = \"isocurve\"\nsurface = \"floor\"\nu = 0.5\n",
     ),
     (
+        "trace",
+        "[curves.oval]\nkind = \"trace\"\nsurface = \"floor\"\nf = \"(u - 0.5)^2 + 2*(v - 0.5)^2 - 0.1\"\n",
+    ),
+    (
+        "section",
+        "[surfaces.bead]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [2]\n\n[curves.parallel]\nkind = \"section\"\nsurface = \"bead\"\n\
+         origin = [0, 0, 0.8]\nnormal = \"z\"\n",
+    ),
+    (
+        "silhouette",
+        "[surfaces.bead]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [2]\n\n[curves.contour]\nkind = \"silhouette\"\nsurface = \"bead\"\n\
+         direction = [1, 2, 5]\n",
+    ),
+    (
+        "isophote",
+        "[surfaces.bead]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [2]\n\n[curves.lit]\nkind = \"isophote\"\nsurface = \"bead\"\n\
+         direction = [1, 2, 5]\nangle = \"40deg\"\n",
+    ),
+    (
+        "isocurvature",
+        "[surfaces.ring]\nkind = \"torus\"\nmajor = 3\nminor = 1\n\n[curves.top]\nkind = \"isocurvature\"\nsurface = \"ring\"\n\
+         curvature = \"gaussian\"\nvalue = 0\nbranch = 1\n",
+    ),
+    (
         "side",
         "[curves.border]\nkind = \"side\"\nside = \"floor.north\"\n",
     ),

@@ -15,6 +15,7 @@ mod crease;
 mod curvature;
 mod extent;
 mod fairness;
+mod figures;
 mod gauss;
 mod inertia;
 mod integral;
@@ -42,6 +43,11 @@ pub use crease::{Crease, creases};
 pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes};
 pub use extent::{Extent, extent};
 pub use fairness::{curvature_derivative, curvature_variation};
+pub use figures::{CurvatureKind, Implicit};
+pub(crate) use figures::{
+    FigureJet, NormalFigure, Pole, curvature_over, curvature_range, height_over, height_range,
+    implicit_over, implicit_range, normal_over, normal_range, poles,
+};
 pub use gauss::{Developable, TotalCurvature, total_curvature};
 pub use inertia::Inertia;
 pub use integral::{IntegralOptions, Measured};

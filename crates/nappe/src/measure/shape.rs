@@ -92,19 +92,7 @@ impl ShapeForm {
             _ => return None,
         };
         let offset = patch.offset;
-        let mut narrow = at.iter();
-        let wide = wide.map(|t| match narrow.next() {
-            Some(at) => t.tightened(at, offset),
-            None => t,
-        });
-        let (wide, at) = (shape(&wide), shape(&at));
-        let tight = |wide: Taylor, at: &Taylor| wide.tightened(at, offset);
-        let wide = Shape {
-            p: tight(wide.p, &at.p),
-            q: tight(wide.q, &at.q),
-            s: tight(wide.s, &at.s),
-            ..wide
-        };
+        let [wide, at] = shapes(wide, at, offset);
         let exchanged = poles.iter().any(|p| p.0 == 1);
         let form = Self {
             wide,
@@ -137,7 +125,12 @@ const PLACES: usize = 9;
 
 /// True if the side of the box where the parameter `d` has the value `at` is one point, within rounding.
 fn is_point(surface: &dyn Surface, uv: [Interval; 2], d: usize, at: f64, size: f64) -> bool {
-    let other = uv[1 - d];
+    // A box of no width along the side cannot tell.
+    let other = if uv[1 - d].is_point() {
+        surface.domain()[1 - d]
+    } else {
+        uv[1 - d]
+    };
     let mut limit = [Limit::Above; 2];
     if at == uv[d].hi {
         limit[d] = Limit::Below;
@@ -151,7 +144,7 @@ fn is_point(surface: &dyn Surface, uv: [Interval; 2], d: usize, at: f64, size: f
 }
 
 /// Invariants of the two forms: `r_uu·n, r_uv·n, r_vv·n` with `n = r_u × r_v`, `r_u·r_u`, `r_u·r_v`, `n·n`.
-type Forms = [Taylor; 6];
+pub(super) type Forms = [Taylor; 6];
 
 /// The shape operator; the basis begins with r_u.
 fn shape([l, m, k, e, f, n2]: &Forms) -> Shape {
@@ -174,8 +167,27 @@ fn shape([l, m, k, e, f, n2]: &Forms) -> Shape {
     }
 }
 
+/// The shape operator over a box and in its middle, each step as narrow as these make it: curvature is a quotient, in which
+/// wide terms multiply.
+pub(super) fn shapes(wide: Forms, at: Forms, offset: [Interval; 2]) -> [Shape; 2] {
+    let mut narrow = at.iter();
+    let wide = wide.map(|t| match narrow.next() {
+        Some(at) => t.tightened(at, offset),
+        None => t,
+    });
+    let (wide, at) = (shape(&wide), shape(&at));
+    let tight = |wide: Taylor, at: &Taylor| wide.tightened(at, offset);
+    let wide = Shape {
+        p: tight(wide.p, &at.p),
+        q: tight(wide.q, &at.q),
+        s: tight(wide.s, &at.s),
+        ..wide
+    };
+    [wide, at]
+}
+
 /// Where `r_u × r_v` does not vanish, from a jet of order `degree` + 2. With `swap`, u and v change places.
-fn beside(jet: &[Box3], swap: bool, degree: usize) -> Forms {
+pub(super) fn beside(jet: &[Box3], swap: bool, degree: usize) -> Forms {
     let vector = |d: [usize; 2]| Taylor::vector(jet, d, degree);
     let (u, v) = (vector([1, 0]), vector([0, 1]));
     let n = Taylor::cross(&u, &v);

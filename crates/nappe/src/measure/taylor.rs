@@ -188,6 +188,16 @@ impl Taylor {
         t
     }
 
+    /// The same where f vanishes for the parameter `d` = 0.
+    pub(super) fn divided_along(&self, d: usize) -> Self {
+        if d == 0 {
+            return self.divided();
+        }
+        let mut t = Self::zero(self.degree - 1);
+        t.each(|i, j, c| c[jet_index(i, j)] = self.c[jet_index(i, j + 1)]);
+        t
+    }
+
     /// The derivative, one degree lower.
     pub(super) fn derivative(&self, dir: Dir) -> Self {
         let mut t = Self::zero(self.degree - 1);
