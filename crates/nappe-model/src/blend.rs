@@ -61,9 +61,7 @@ impl Builder<'_> {
             BlendError::Continuity { end, .. } => {
                 ("continuity", vec![*end], "write \"G0\", \"G1\" or \"G2\"")
             }
-            BlendError::Bulge { end, .. } => {
-                ("bulge", vec![*end], "write a number greater than 0")
-            }
+            BlendError::Bulge { end, .. } => ("bulge", vec![*end], "write a number greater than 0"),
             BlendError::NotFinite { end, .. } => (
                 "between",
                 vec![*end],

@@ -8,11 +8,11 @@ use nappe::curve::{Curve, CurveRef, Line};
 use nappe::exact::NurbsSurface;
 use nappe::laws::{self, Random};
 use nappe::measure::{Continuity, JumpOptions, Smoothness, continuity};
+use nappe::mesh::Certainty;
 use nappe::surface::{
     Blend, BlendError, BlendOptions, Dir, Elementary, Quadric, QuadricOptions, QuadricShape,
     Revolution, RevolutionOptions, Side, Surface, SurfaceRef, bilinear, ruled,
 };
-use nappe::mesh::Certainty;
 use nappe::{DAffine3, DVec3, Frame, Limit};
 use std::sync::Arc;
 
@@ -93,7 +93,11 @@ fn laws_hold_between_surfaces_without_a_nurbs_form() {
     };
     let ball: SurfaceRef = Arc::new(Quadric::new(QuadricShape::Sphere, &[1.0], options).unwrap());
     for second in Side::ALL {
-        let b = blend((&turned, Side::North), (&ball, second), &BlendOptions::default());
+        let b = blend(
+            (&turned, Side::North),
+            (&ball, second),
+            &BlendOptions::default(),
+        );
         assert!(b.to_nurbs().is_none());
         laws::surface(&b);
     }
@@ -102,7 +106,11 @@ fn laws_hold_between_surfaces_without_a_nurbs_form() {
 /// Two rectangles of one plane: the blend is the rectangle between them, at even parameters.
 #[test]
 fn between_coplanar_planes_it_is_their_plane() {
-    for (scale, shift) in [(1.0, DVec3::ZERO), (1e-6, DVec3::ZERO), (1e6, v(1e9, -1e9, 0.0))] {
+    for (scale, shift) in [
+        (1.0, DVec3::ZERO),
+        (1e-6, DVec3::ZERO),
+        (1e6, v(1e9, -1e9, 0.0)),
+    ] {
         let at = |x: f64, y: f64| shift + v(x, y, 0.5 * y) * scale;
         let plane = |x: [f64; 2], y: [f64; 2]| -> SurfaceRef {
             let corner = |i: usize, j: usize| at(x[i], y[j]);
@@ -217,7 +225,12 @@ fn tangent_planes_and_curvatures_agree() {
             let mut worst = [0.0f64; 3];
             for seed in 0..3 {
                 let a = spline(seed, shift, scale, rational);
-                let b = spline(seed + 50, shift + v(0.5, 4.5, 1.0), scale, rational && seed != 1);
+                let b = spline(
+                    seed + 50,
+                    shift + v(0.5, 4.5, 1.0),
+                    scale,
+                    rational && seed != 1,
+                );
                 let sides = [
                     [Side::North, Side::South],
                     [Side::East, Side::South],
@@ -244,7 +257,11 @@ fn tangent_planes_and_curvatures_agree() {
             }
             worst[0] /= scale;
             println!("scale {scale:e}, far {far:e}, rational {rational}: {worst:?}");
-            let limits = if rational { [1e-10, 1e-8, 1e-5] } else { [1e-12, 1e-9, 1e-6] };
+            let limits = if rational {
+                [1e-10, 1e-8, 1e-5]
+            } else {
+                [1e-12, 1e-9, 1e-6]
+            };
             for (w, limit) in worst.iter().zip(limits) {
                 assert!(*w <= limit * (1.0 + far), "{worst:?} {limits:?}");
             }
@@ -262,7 +279,11 @@ fn derivatives_agree(s: &Blend, ends: [(&SurfaceRef, Side); 2], scale: f64, roun
             let turned = end == 1 && s.is_reversed();
             let along = if turned { 1.0 - t } else { t };
             let [u, v] = surface.domain();
-            let (along_range, across_range) = if side.along() == Dir::U { (u, v) } else { (v, u) };
+            let (along_range, across_range) = if side.along() == Dir::U {
+                (u, v)
+            } else {
+                (v, u)
+            };
             let x = along_range.lo + along_range.width() * along;
             let (y, inside) = if side.is_upper() {
                 (across_range.hi, Limit::Below)
@@ -270,7 +291,11 @@ fn derivatives_agree(s: &Blend, ends: [(&SurfaceRef, Side); 2], scale: f64, roun
                 (across_range.lo, Limit::Above)
             };
             // Beside a break of the second derivative its sides may not be compared.
-            if surface.breaks(side.along()).iter().any(|b| (b.at - x).abs() < 1e-9) {
+            if surface
+                .breaks(side.along())
+                .iter()
+                .any(|b| (b.at - x).abs() < 1e-9)
+            {
                 continue;
             }
             let d = |m: usize| {
@@ -281,7 +306,8 @@ fn derivatives_agree(s: &Blend, ends: [(&SurfaceRef, Side); 2], scale: f64, roun
                 }
             };
             let out = if side.is_upper() { 1.0 } else { -1.0 };
-            let a = s.factors()[end] * across_range.width() * out * if end == 0 { 1.0 } else { -1.0 };
+            let a =
+                s.factors()[end] * across_range.width() * out * if end == 0 { 1.0 } else { -1.0 };
             let size = 1e-13 * scale * rounding;
             assert!(own.point().distance(d(0)) <= size);
             assert!(own.partial(0, 1).distance(d(1) * a) <= 10.0 * size);
@@ -371,8 +397,12 @@ impl NormalZ for Blend {
 fn it_moves_with_its_surfaces() {
     let map = DAffine3::from_translation(v(5.0, -3.0, 2.0))
         * DAffine3::from_axis_angle(v(1.0, 2.0, -1.0).normalize(), 0.8);
-    let [a, b] = [spline(12, DVec3::ZERO, 1.0, true), spline(13, v(0.0, 4.0, 1.0), 1.0, true)];
-    let moved = |s: &SurfaceRef| -> SurfaceRef { Arc::new(s.to_nurbs().unwrap().transformed(&map)) };
+    let [a, b] = [
+        spline(12, DVec3::ZERO, 1.0, true),
+        spline(13, v(0.0, 4.0, 1.0), 1.0, true),
+    ];
+    let moved =
+        |s: &SurfaceRef| -> SurfaceRef { Arc::new(s.to_nurbs().unwrap().transformed(&map)) };
     let o = BlendOptions::default();
     let s = blend((&a, Side::North), (&b, Side::South), &o);
     let t = blend((&moved(&a), Side::North), (&moved(&b), Side::South), &o);
@@ -390,14 +420,21 @@ fn the_exact_form_has_a_low_degree() {
     let a = spline(14, DVec3::ZERO, 1.0, true);
     let b = spline(15, v(0.0, 4.0, 1.0), 1.0, true);
     let degree = |continuity: usize, b: &SurfaceRef| {
-        let s = blend((&a, Side::North), (b, Side::South), &options([continuity; 2]));
+        let s = blend(
+            (&a, Side::North),
+            (b, Side::South),
+            &options([continuity; 2]),
+        );
         let nurbs = s.to_nurbs().unwrap();
         [nurbs.basis_u().degree(), nurbs.basis_v().degree()]
     };
     assert_eq!(degree(2, &b), [18, 5]);
     assert_eq!(degree(1, &b), [12, 3]);
     assert_eq!(degree(0, &b), [6, 1]);
-    assert_eq!(degree(2, &spline(15, v(0.0, 4.0, 1.0), 1.0, false)), [12, 5]);
+    assert_eq!(
+        degree(2, &spline(15, v(0.0, 4.0, 1.0), 1.0, false)),
+        [12, 5]
+    );
 }
 
 #[test]
@@ -413,7 +450,10 @@ fn bad_data_is_refused() {
             bulge: [1.0, value],
             ..BlendOptions::default()
         };
-        assert!(matches!(err(north, south, &o), BlendError::Bulge { end: 1, .. }));
+        assert!(matches!(
+            err(north, south, &o),
+            BlendError::Bulge { end: 1, .. }
+        ));
     }
     assert_eq!(
         err(north, south, &options([3, 2])),
@@ -437,7 +477,11 @@ fn bad_data_is_refused() {
         err((&ball, pole), south, &BlendOptions::default()),
         BlendError::Pole { end: 0, .. }
     ));
-    let meridian = if pole.along() == Dir::U { Side::West } else { Side::South };
+    let meridian = if pole.along() == Dir::U {
+        Side::West
+    } else {
+        Side::South
+    };
     let e = err(north, (&ball, meridian), &BlendOptions::default());
     assert!(matches!(e, BlendError::NoPlane { end: 1, .. }), "{e}");
     // Points are no obstacle: straight lines to a pole.

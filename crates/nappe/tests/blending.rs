@@ -199,7 +199,10 @@ fn hermite_functions_of_all_orders() {
             for f in 0..count {
                 for k in 0..=m {
                     let one = f64::from(u8::from(f == k));
-                    assert!((start[k * count + f] - one).abs() <= 4e-16, "{m} {n} {f} {k}");
+                    assert!(
+                        (start[k * count + f] - one).abs() <= 4e-16,
+                        "{m} {n} {f} {k}"
+                    );
                 }
                 for k in 0..=n {
                     let one = f64::from(u8::from(f == degree - k));

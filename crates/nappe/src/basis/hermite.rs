@@ -73,7 +73,12 @@ impl Hermite {
         for j in i + 1..=m {
             let next = b(place(j));
             // C(j, 0) is 1: nothing is to be rounded.
-            sum = sum + if i == 0 { next } else { S::from(binomial(j, i)) * next };
+            sum = sum
+                + if i == 0 {
+                    next
+                } else {
+                    S::from(binomial(j, i)) * next
+                };
         }
         if i == 0 {
             return sum;

@@ -27,7 +27,7 @@ mod volume;
 pub use apex::{UnboundedCurvature, unbounded_curvature};
 pub use area::area;
 pub use bodies::{Body, bodies};
-pub use continuity::{Continuity, SideOf, Smoothness, continuity};
+pub use continuity::{Continuity, SideOf, Smoothness, continuity, continuity_in_part};
 pub use crease::{Crease, creases};
 pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes};
 pub use extent::{Extent, extent};

@@ -199,7 +199,11 @@ impl Blend {
                 } else {
                     (3 * (orders[0] + 1), degree - k)
                 };
-                let scale = if k == 0 { 1.0 } else { scales[end].powi(k as i32) };
+                let scale = if k == 0 {
+                    1.0
+                } else {
+                    scales[end].powi(k as i32)
+                };
                 let term = |c: usize| Term::new(first + 3 * k + c, across, axes[c] * scale);
                 terms.extend((0..3).map(term));
             }
@@ -271,7 +275,8 @@ fn examine(
     if order == 0 {
         return Ok(0.0);
     }
-    let longest = |f: fn(&(f64, DVec3, DVec3, DVec3)) -> f64| found.iter().map(f).fold(0.0, f64::max);
+    let longest =
+        |f: fn(&(f64, DVec3, DVec3, DVec3)) -> f64| found.iter().map(f).fold(0.0, f64::max);
     let (along, across) = (longest(|x| x.2.length()), longest(|x| x.3.length()));
     let extent = Box3::around(found.iter().map(|x| x.1)).map_or(0.0, Box3::diagonal);
     if extent <= ONE_POINT * across {
@@ -281,7 +286,12 @@ fn examine(
     for &(at, p, t, n) in &found {
         if t.cross(n).length() <= NO_NORMAL * along * across {
             let point = p + jet.origin();
-            return Err(BlendError::NoPlane { end, side, at, point });
+            return Err(BlendError::NoPlane {
+                end,
+                side,
+                at,
+                point,
+            });
         }
     }
     // The mean over pieces of any width is that over the side only for places that are spread evenly.
