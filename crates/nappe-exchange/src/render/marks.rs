@@ -138,7 +138,12 @@ pub(crate) fn key_marks(
             // A line hardly longer than nothing has round ends: a dot.
             (middle, middle + DVec2::new(0.01, 0.0))
         } else {
-            (DVec2::new(left, y), DVec2::new(left + swatch, y))
+            // Within the swatch with its round ends.
+            let end = (0.5 * entry.width * unit).min(0.49 * swatch);
+            (
+                DVec2::new(left + end, y),
+                DVec2::new(left + swatch - end, y),
+            )
         };
         out.push(Mark::Stroke {
             from,

@@ -187,20 +187,20 @@ const ROWS: &[Row] = &[
     (
         "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1]\ncenter = [0, 5, 0]\n[surfaces.s]\nkind = 'blend'\nbetween = ['a.north', 'b.east']\ncontinuity = 'G3'",
         (13, 14),
-        &["surface `s`", "G3"],
-        "G2",
+        &["surface `s`", "\"G3\" is not one of G0, G1, G2"],
+        "did you mean",
     ),
     (
         "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1]\ncenter = [0, 5, 0]\n[surfaces.s]\nkind = 'blend'\nbetween = ['a.north', 'a']",
         (12, 23),
-        &["surface `s`", "side"],
-        "a.north",
+        &["surface `s`", "expected a side"],
+        "dome.south",
     ),
     (
         "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1]\ncenter = [0, 5, 0]\n[surfaces.s]\nkind = 'blend'\nbetween = ['s.north', 'a.south']",
         (12, 12),
-        &["itself"],
-        "",
+        &["depend on each other: surface `s`"],
+        "points",
     ),
     // Quadrics and tori.
     (

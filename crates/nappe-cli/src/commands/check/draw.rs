@@ -42,9 +42,10 @@ const SURFACE: Colour = [0.80, 0.82, 0.85];
 /// A band behind the sides of a claim that fails.
 const FAILED: Colour = [0.88, 0.05, 0.45];
 const OPEN: Colour = [0.35, 0.38, 0.42];
-/// Where a surface folds over or passes through itself; where two cross; where nothing is decided.
+/// Where a surface folds over or passes through itself; where two cross, or touch; where nothing is decided.
 const BROKEN: Colour = [0.80, 0.06, 0.10];
 const CROSSED: Colour = [0.45, 0.17, 0.62];
+const TOUCHED: Colour = [0.16, 0.56, 0.68];
 const UNDECIDED: Colour = [0.25, 0.27, 0.30];
 /// How much of a line is seen through the surfaces that hide it.
 const HIDDEN: f32 = 0.28;
@@ -254,7 +255,10 @@ fn spots(found: &Findings, all: &mut Overlay) {
             _ if fails => (BROKEN, "passes through itself"),
             Meeting::Crosses { .. } => (CROSSED, "cross"),
             Meeting::Overlaps => (CROSSED, "have an area in common"),
-            Meeting::Touches { .. } => (CROSSED, "touch"),
+            Meeting::Touches { only: true } => (TOUCHED, "touch, proven not to cross"),
+            Meeting::Touches { only: false } => {
+                (UNDECIDED, "touch; not decided whether they cross")
+            }
             Meeting::Undecided { .. } => (UNDECIDED, "not decided whether they cross"),
         };
         all.dot(o.point, colour, text);
