@@ -29,8 +29,12 @@ fn teapot() -> Vec<SurfaceRef> {
 }
 
 /// The greatest angle that is proven along two sides that meet; infinite if they do not, or nothing is proven.
-fn angle(a: (&dyn Surface, Side), b: (&dyn Surface, Side)) -> f64 {
-    match continuity(a, b, 1e-9, &JumpOptions::default()).map(|c| c.angle.greatest) {
+fn angle(a: (&dyn Surface, Side), b: (&dyn Surface, Side), parts: usize) -> f64 {
+    let options = JumpOptions {
+        parts,
+        ..JumpOptions::default()
+    };
+    match continuity(a, b, 1e-9, &options).map(|c| c.angle.greatest) {
         Some(Certainty::Bounded(e)) => e,
         _ => f64::INFINITY,
     }
@@ -40,14 +44,18 @@ fn side(s: &SurfaceRef, side: Side) -> CurveRef {
     Arc::new(Isocurve::side(s.clone(), side))
 }
 
-/// The neighbour across each side, if the patch meets it within a hundredth of a degree.
+/// Enough parts to prove a small angle closely, and enough to prove that it is small.
+const CLOSELY: usize = 512;
+const ROUGHLY: usize = 24;
+
+/// The neighbour across each side, if the patch is proven to meet it within a hundredth of a degree.
 fn smooth_neighbours(all: &[SurfaceRef], patch: usize) -> [Option<(SurfaceRef, Side)>; 4] {
     Side::ALL.map(|own| {
         let others = (0..all.len()).filter(|&k| k != patch);
         let sides = others.flat_map(|k| Side::ALL.map(|s| (all[k].clone(), s)));
-        sides
-            .into_iter()
-            .find(|(s, other)| angle((all[patch].as_ref(), own), (s.as_ref(), *other)) < 2e-4)
+        sides.into_iter().find(|(s, other)| {
+            angle((all[patch].as_ref(), own), (s.as_ref(), *other), ROUGHLY) < 1.7e-4
+        })
     })
 }
 
@@ -75,36 +83,33 @@ fn a_coons_surface_takes_the_place_of_a_patch() {
         };
         let coons = match Coons::new(south, north, west, east, &options) {
             Ok(c) => c,
-            Err(e) => {
-                println!("patch {k}: {e}");
-                continue;
-            }
+            Err(e) => panic!("patch {k}: {e}"),
         };
         made += 1;
         for (own, other) in Side::ALL.into_iter().zip(&around) {
             let Some((surface, other)) = other else {
                 continue;
             };
-            let greatest = angle((&coons, own), (surface.as_ref(), *other));
-            println!("patch {k}, {own}: {greatest:e}");
+            let greatest = angle((&coons, own), (surface.as_ref(), *other), CLOSELY);
             joints += 1;
             worst = worst.max(greatest);
         }
     }
     println!("{made} surfaces, {joints} joints, at most {worst:e}");
-    assert!(made >= 16 && joints >= 40);
-    assert!(worst <= 1e-8);
+    // No patch has a fault that would keep it from being made.
+    assert!(made == 32 && joints >= 100);
+    assert!(worst <= 1e-9);
 }
 
-/// The same with the Diagonal-key surface, whose tangents along both guides are the neighbours' derivatives: where the
-/// generators begin and end with these, as those of a patch do whose neighbours have equal derivatives.
+/// The same with the Diagonal-key surface, whose tangents along both guides, south and north, are the neighbours'
+/// derivatives: where the generators begin and end with these, as those of a patch do whose neighbours have equal ones.
 #[test]
 fn a_diagonal_key_surface_takes_the_place_of_a_patch() {
     let all = teapot();
     let (mut joints, mut worst) = (0, 0.0f64);
     for (k, patch) in all.iter().enumerate() {
         let around = smooth_neighbours(&all, k);
-        let [_, _, Some((first, Side::East)), Some((second, Side::West))] = &around else {
+        let [Some((first, Side::North)), Some((second, Side::South)), ..] = &around else {
             continue;
         };
         let derivative = |s: &SurfaceRef, side: Side| -> CurveRef {
@@ -113,9 +118,10 @@ fn a_diagonal_key_surface_takes_the_place_of_a_patch() {
         let [south, north, west, east] = Side::ALL.map(|s| side(patch, s));
         let contour = Contour::new(south, north, west, east).unwrap();
         let options = DiagonalKeyOptions {
+            exchange: true,
             tangents: [
-                Some(derivative(first, Side::East)),
-                Some(derivative(second, Side::West)),
+                Some(derivative(first, Side::North)),
+                Some(derivative(second, Side::South)),
             ],
             ..DiagonalKeyOptions::default()
         };
@@ -127,11 +133,10 @@ fn a_diagonal_key_surface_takes_the_place_of_a_patch() {
             }
         };
         for (own, (other, side)) in [
-            (Side::West, (first, Side::East)),
-            (Side::East, (second, Side::West)),
+            (Side::South, (first, Side::North)),
+            (Side::North, (second, Side::South)),
         ] {
-            let greatest = angle((&surface, own), (other.as_ref(), side));
-            println!("patch {k}, {own}: {greatest:e}");
+            let greatest = angle((&surface, own), (other.as_ref(), side), CLOSELY);
             joints += 1;
             worst = worst.max(greatest);
         }
@@ -173,7 +178,7 @@ fn a_blend_takes_the_place_of_a_patch() {
     println!("{joints} joints, at most {worst:?}");
     assert!(joints >= 40);
     assert!(
-        worst[0] <= 1e-12 && worst[1] <= 1e-8 && worst[2] <= 1e-6,
+        worst[0] <= 1e-12 && worst[1] <= 1e-8 && worst[2] <= 1e-5,
         "{worst:?}"
     );
 }

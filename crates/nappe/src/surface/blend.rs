@@ -111,7 +111,8 @@ pub enum BlendError {
 ///
 /// Whether the surfaces can be continued (a tangent plane everywhere along the sides) is sampled. A closed side is not
 /// turned: both should start at places that face each other. A blend of sides whose surfaces point away from each other
-/// runs round in a loop, and may pass through itself or through them.
+/// runs round in a loop, and may pass through itself or through them; so it does in a corner where the sides meet, since a
+/// and b are the same all along.
 /// Source: Hermite interpolation; derivatives after a reparametrisation by the chain rule.
 #[derive(Clone, Debug)]
 pub struct Blend {

@@ -9,7 +9,7 @@ use nappe::DVec3;
 use nappe::curve::{CurveRef, Isocurve, Trimmed};
 use nappe::measure::Meeting;
 use nappe::mesh::flatten;
-use nappe::surface::{Side, SurfaceRef};
+use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_exchange::render::{Dot, KeyEntry, Line, Paint, Picture, PictureOptions, View};
 use nappe_exchange::{Colour, Progress};
 use nappe_model::{Model, NamedSurface};
@@ -66,7 +66,7 @@ impl Reached {
         match self {
             Reached::Apart => ([0.80, 0.06, 0.10], 5.5, "not joined: a gap"),
             Reached::InPart => ([0.62, 0.25, 0.72], 5.0, "not joined: other ends"),
-            Reached::Edge => ([0.93, 0.49, 0.05], 4.2, "G0: an edge"),
+            Reached::Edge => ([0.93, 0.49, 0.05], 4.2, "G0: an edge or a crease"),
             Reached::Points => ([0.85, 0.69, 0.08], 4.2, "G0 proven, no more"),
             Reached::Tangents => ([0.13, 0.42, 0.75], 3.8, "G1"),
             Reached::Curvatures => ([0.10, 0.60, 0.46], 3.4, "G2"),
@@ -163,18 +163,24 @@ impl Drawing {
 fn overlay(model: &Model, found: &Findings, tolerance: f64) -> Result<Overlay, Failure> {
     let mut all = Overlay::default();
     let named: Vec<&NamedSurface> = model.output().collect();
+    let refused = |s: &NamedSurface, what: &str, e: &dyn std::fmt::Display| {
+        let message = format!("surface `{}`: {what} of it cannot be drawn: {e}", s.name);
+        fault::at(model, message, &s.place, "leave --draw out")
+    };
+    let flat = |s: &NamedSurface, what: &str, curve: CurveRef| {
+        let flat = flatten(curve.as_ref(), tolerance, MOST_POINTS);
+        flat.map(|f| f.points).map_err(|e| refused(s, what, &e))
+    };
     let points = |surface: &SurfaceRef, side: Side, s: &NamedSurface, range: Option<[f64; 2]>| {
-        let refused = |e: &dyn std::fmt::Display| {
-            let message = format!("surface `{}`: its side {side} cannot be drawn: {e}", s.name);
-            fault::at(model, message, &s.place, "leave --draw out")
-        };
         let curve: CurveRef = Arc::new(Isocurve::side(surface.clone(), side));
         let curve = match range {
             None => curve,
-            Some([lo, hi]) => Arc::new(Trimmed::new(curve, lo, hi).map_err(|e| refused(&e))?),
+            Some([lo, hi]) => {
+                let part = Trimmed::new(curve, lo, hi);
+                Arc::new(part.map_err(|e| refused(s, side.name(), &e))?)
+            }
         };
-        let flat = flatten(curve.as_ref(), tolerance, MOST_POINTS).map_err(|e| refused(&e))?;
-        Ok::<_, Failure>(flat.points)
+        flat(s, side.name(), curve)
     };
     let of = |(i, side): (usize, Side), range| points(&named[i].surface, side, named[i], range);
     // Failed claims lie below the lines that show what is there.
@@ -214,6 +220,18 @@ fn overlay(model: &Model, found: &Findings, tolerance: f64) -> Result<Overlay, F
             joints.push((Reached::InPart, of(side, Some([range.lo, range.hi]))?));
         }
     }
+    for (i, (s, _, creases)) in found.surfaces.iter().enumerate() {
+        for c in creases {
+            let along = match c.dir {
+                Dir::U => Dir::V,
+                Dir::V => Dir::U,
+            };
+            let curve = Isocurve::new(s.surface.clone(), along, c.at);
+            let curve: CurveRef = Arc::new(curve.map_err(|e| refused(named[i], "a crease", &e))?);
+            let points = flat(named[i], "a crease", curve)?;
+            joints.push((Reached::Edge, points));
+        }
+    }
     // The worst on top.
     joints.sort_by_key(|j| std::cmp::Reverse(Reached::ALL.iter().position(|r| *r == j.0)));
     for (reached, points) in &joints {
@@ -241,6 +259,9 @@ fn spots(found: &Findings, all: &mut Overlay) {
     for (s, regular, _) in &found.surfaces {
         for uv in &regular.folds {
             all.dot(s.surface.point(*uv), BROKEN, "folds over");
+        }
+        for p in &regular.pinches {
+            all.dot(p.point, UNDECIDED, "a line inside is one point");
         }
         for uv in &regular.degenerate {
             all.dot(
