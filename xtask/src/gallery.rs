@@ -229,6 +229,13 @@ const CHAPTERS: &[(&str, &[Picture])] = &[
                 "A torus, a piece of one, and a single biquadratic patch of 80° by 70°.",
             ),
             Picture(
+                "blend",
+                "blend.png",
+                "--isolines 7 --azimuth 30 --elevation 28",
+                "Blends that continue two surfaces with their curvatures: between two sheets, and between two round pipes \
+                 of different size and direction.",
+            ),
+            Picture(
                 "fillet-planes",
                 "fillet-planes.png",
                 "--azimuth 25 --elevation 35",

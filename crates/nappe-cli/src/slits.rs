@@ -2,9 +2,12 @@
 //! it; or in part only.
 
 use crate::text::{bound, number};
+use nappe::Interval;
+use nappe::measure::{Continuity, JumpOptions, continuity_in_part};
 use nappe::mesh::{Joint, Joints, PartialJoint, joints, near_joints, partial_joints};
 use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_model::{Model, NamedSurface};
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 /// Sides that are farther apart than this share of the tolerance are not joined by the mesh.
@@ -29,6 +32,19 @@ const AT_END: f64 = 1e-6;
 pub(crate) struct Partial<'a> {
     named: Vec<&'a NamedSurface>,
     found: Vec<PartialJoint>,
+    tolerance: f64,
+}
+
+/// A stretch along which two sides meet, with what is known of it.
+pub(crate) struct Stretch {
+    /// The index in the list of partial joints.
+    pub(crate) of: usize,
+    /// The surface and the side along which the other lies, and the other.
+    pub(crate) sides: [(usize, Side); 2],
+    /// The ranges of their parameters.
+    pub(crate) ranges: [Interval; 2],
+    /// `None`: they do not meet from end to end.
+    pub(crate) joint: Option<Continuity>,
 }
 
 impl<'a> Partial<'a> {
@@ -37,7 +53,45 @@ impl<'a> Partial<'a> {
         let named: Vec<&NamedSurface> = model.output().collect();
         let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
         let found = partial_joints(&surfaces, joined, tolerance);
-        Self { named, found }
+        Self {
+            named,
+            found,
+            tolerance,
+        }
+    }
+
+    /// How smoothly the sides meet along each stretch.
+    pub(crate) fn measured(&self) -> Vec<Stretch> {
+        let joints = self.found.iter().enumerate();
+        let stretches: Vec<_> = joints
+            .flat_map(|(k, j)| j.stretches.iter().flatten().map(move |s| (k, j, *s)))
+            .collect();
+        let measure = |&(of, j, [on_part, on_along]): &(usize, &PartialJoint, [Interval; 2])| {
+            let side = |(i, side): (usize, Side)| (self.named[i].surface.as_ref(), side);
+            Stretch {
+                of,
+                sides: [j.along, j.part],
+                ranges: [on_along, on_part],
+                joint: continuity_in_part(
+                    (side(j.along), on_along),
+                    (side(j.part), on_part),
+                    self.tolerance,
+                    &JumpOptions::default(),
+                ),
+            }
+        };
+        stretches.par_iter().map(measure).collect()
+    }
+
+    /// A stretch in words: the sides, and the range of the parameter along the first.
+    pub(crate) fn place(&self, s: &Stretch) -> [String; 2] {
+        let [along, part] = s.sides.map(|side| self.name(side));
+        let Interval { lo, hi } = s.ranges[0];
+        let letter = s.sides[0].1.along();
+        [
+            format!("{along} – {part}"),
+            format!("{letter} from {} to {}", number(lo, 6), number(hi, 6)),
+        ]
     }
 
     fn name(&self, side: (usize, Side)) -> String {
@@ -92,9 +146,11 @@ impl<'a> Partial<'a> {
         )
     }
 
-    pub(crate) fn json(&self) -> Value {
-        let one = |j: &PartialJoint| {
+    /// `found` has the ranges and the continuity of each stretch.
+    pub(crate) fn json(&self, found: impl Fn(usize) -> Value) -> Value {
+        let one = |(k, j): (usize, &PartialJoint)| {
             json!({
+                "stretches": found(k),
                 "along": self.name(j.along),
                 "part": self.name(j.part),
                 "from": j.ends[0].to_array(),
@@ -104,7 +160,7 @@ impl<'a> Partial<'a> {
                 "sampled_gap": j.gap,
             })
         };
-        self.found.iter().map(one).collect()
+        self.found.iter().enumerate().map(one).collect()
     }
 }
 

@@ -193,6 +193,8 @@ pub enum PictureError {
         index: usize,
         point: DVec3,
     },
+    #[error("dot {index} is at {point}, not finite")]
+    DotNotFinite { index: usize, point: DVec3 },
     #[error("unknown view `{text}`; known: {known}, or `azimuth,elevation` in degrees")]
     View { text: String, known: &'static str },
 }

@@ -28,6 +28,7 @@
 //! parameters, references nested [`MAX_REFERENCE_DEPTH`] deep; and those of expressions
 //! ([`nappe::expr::MAX_LENGTH`], [`nappe::expr::MAX_DEPTH`]).
 
+mod blend;
 mod build;
 mod checks;
 mod coons;

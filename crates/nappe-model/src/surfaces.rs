@@ -49,6 +49,7 @@ impl Builder<'_> {
             "revolution" => self.revolution(o),
             "rational" => self.rational(o),
             "fillet" => self.fillet(o),
+            "blend" => self.blend_between(o),
             "coons" => self.coons(o),
             "diagonal-key" => self.diagonal_key(o),
             "quadric" => self.quadric(o),

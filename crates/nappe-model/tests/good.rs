@@ -400,6 +400,24 @@ const SURFACES: &[SurfaceRow] = &[
         "between = ['flat', 'wall']\nradius = 0.5",
         &[([1.0, 0.5], [0.0, 0.5 - 0.5 * H, 0.5 - 0.5 * H])],
     ),
+    (
+        "blend",
+        // From (0, 2, 0) along y to (0, 0, 2) against z: the sides are √8 apart, and so long are the tangents; the
+        // quintic Hermite functions of the slopes are ±5/32 in the middle.
+        "between = ['flat.north', 'wall.north']",
+        &[([0.5, 0.5], [1.5, 1.0 + 0.625 * H, 1.0 + 0.625 * H])],
+    ),
+    (
+        "blend",
+        // The cubic ones are ±1/8; the tangent at the second side is half as long.
+        "between = ['flat.north', 'wall.north']\ncontinuity = 'G1'\nbulge = [1, 0.5]\nreverse = false",
+        &[([0.5, 0.5], [1.5, 1.0 + 0.5 * H, 1.0 + 0.25 * H])],
+    ),
+    (
+        "blend",
+        "between = ['flat.north', 'wall.north']\ncontinuity = ['G0', 'G0']\nreverse = true",
+        &[([0.0, 0.75], [2.25, 0.5, 1.5])],
+    ),
     ("join", "surfaces = ['flat']", &[]),
 ];
 

@@ -181,6 +181,55 @@ fn both_bases_satisfy_their_defining_conditions() {
     }
 }
 
+/// Each function has one derivative equal to 1 at one end and all others that count equal to 0, exactly; the functions of the
+/// two values sum to 1; a polynomial of the degree is the sum of its own data.
+#[test]
+fn hermite_functions_of_all_orders() {
+    for m in 0..=2 {
+        for n in 0..=2 {
+            let h = Hermite::of_orders([m, n]);
+            let (count, degree) = (h.count(), m + n + 1);
+            assert_eq!(count, degree + 1);
+            let all = |t: f64, limit: Limit, order: usize| {
+                let mut out = vec![0.0; count * (order + 1)];
+                h.jet_into(t, limit, order, &mut out);
+                out
+            };
+            let (start, end) = (all(0.0, Limit::Above, 2), all(1.0, Limit::Below, 2));
+            for f in 0..count {
+                for k in 0..=m {
+                    let one = f64::from(u8::from(f == k));
+                    assert!(
+                        (start[k * count + f] - one).abs() <= 4e-16,
+                        "{m} {n} {f} {k}"
+                    );
+                }
+                for k in 0..=n {
+                    let one = f64::from(u8::from(f == degree - k));
+                    assert!((end[k * count + f] - one).abs() <= 4e-16, "{m} {n} {f} {k}");
+                }
+            }
+            // (t - c)^degree by its derivatives at both ends.
+            let power = |t: f64, k: usize| {
+                let falling: f64 = (0..k).map(|i| (degree - i) as f64).product();
+                falling * (t - 0.3f64).powi((degree - k) as i32)
+            };
+            let exact = h.to_piecewise().unwrap();
+            for t in [0.0, 0.1, 0.35, 0.5, 0.9, 1.0] {
+                let values = all(t, Limit::Above, 0);
+                let mut sum = 0.0;
+                (0..=m).for_each(|k| sum += power(0.0, k) * values[k]);
+                (0..=n).for_each(|k| sum += power(1.0, k) * values[degree - k]);
+                assert!((sum - power(t, 0)).abs() <= 1e-15, "{m} {n} {t}: {sum}");
+                assert!((values[0] + values[degree] - 1.0).abs() <= 4e-16);
+                for (a, b) in values.iter().zip(exact.value(t)) {
+                    assert!((a - b).abs() <= 4e-16);
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn enclosures_hold_the_values_and_shrink() {
     let mut random = Random(1);

@@ -3,12 +3,15 @@
 #![allow(clippy::unwrap_used)]
 
 use nappe::curve::CurveRef;
-use nappe::exact::NurbsCurve;
+use nappe::exact::{NurbsCurve, NurbsSurface};
+use nappe::measure::{Continuity, JumpOptions, continuity_in_part};
 use nappe::mesh::{PartialJoint, joints, near_joints, partial_joints};
 use nappe::surface::{
-    Construction, Dir, Revolution, RevolutionOptions, Side, SurfaceRef, bilinear, ruled,
+    Construction, Dir, Revolution, RevolutionOptions, Side, SurfaceRef, Transformed, bilinear,
+    ruled,
 };
-use nappe::{DVec3, Frame};
+use nappe::{DAffine3, DVec3, Frame, Interval};
+use std::f64::consts::{FRAC_PI_4, TAU};
 use std::sync::Arc;
 
 const WELD: f64 = 1e-4;
@@ -25,6 +28,69 @@ fn rectangle(x: f64, y: f64, width: f64, depth: f64) -> SurfaceRef {
 
 fn found(surfaces: &[SurfaceRef]) -> Vec<PartialJoint> {
     partial_joints(surfaces, &joints(surfaces, WELD), WELD)
+}
+
+/// The continuity along the stretches of a joint.
+fn measured(surfaces: &[SurfaceRef], joint: PartialJoint) -> Vec<Continuity> {
+    let side = |(i, side): (usize, Side)| (surfaces[i].as_ref(), side);
+    let stretches = joint.stretches.iter().flatten();
+    let one = |[part, along]: &[Interval; 2]| {
+        continuity_in_part(
+            (side(joint.along), *along),
+            (side(joint.part), *part),
+            WELD,
+            &JumpOptions::default(),
+        )
+        .unwrap()
+    };
+    stretches.map(one).collect()
+}
+
+/// A long side with a break, its short neighbours bent away by an angle that grows along it: what is found of a stretch is what
+/// is there, not what is beside it.
+#[test]
+fn continuity_along_stretches() {
+    // The neighbour of the part from a to b of the line y = 1 leaves it with the slope k x: the angle is atan(k x).
+    let beside = |a: f64, b: f64, k: f64| -> SurfaceRef {
+        let edge = |y: f64| v(a, 1.0 + y, k * a * y);
+        let other = |y: f64| v(b, 1.0 + y, k * b * y);
+        let corners = [[edge(0.0), edge(1.0)], [other(0.0), other(1.0)]];
+        Arc::new(bilinear(corners).unwrap())
+    };
+    let knots = [vec![0.0, 0.0, 0.7, 2.0, 2.0], vec![0.0, 0.0, 1.0, 1.0]];
+    let xs = [0.0, 0.7, 2.0];
+    let points: Vec<DVec3> = xs
+        .iter()
+        .flat_map(|&x| [v(x, 0.0, 0.0), v(x, 1.0, 0.0)])
+        .collect();
+    let long: SurfaceRef = Arc::new(NurbsSurface::new([1, 1], knots, &points, None).unwrap());
+    let all = [long.clone(), beside(0.0, 0.5, 0.3), beside(0.5, 2.0, 0.8)];
+    let found = found(&all);
+    assert_eq!(found.len(), 2);
+    for (joint, greatest) in found.iter().zip([0.15f64, 1.6]) {
+        let c = measured(&all, *joint);
+        let angle = greatest.atan();
+        assert_eq!(c.len(), 1);
+        assert!(c[0].gap.within(1e-12) == Some(true));
+        assert!(c[0].angle.within(0.97 * angle) == Some(false), "{c:?}");
+        assert!(c[0].angle.within(1.011 * angle) == Some(true), "{c:?}");
+    }
+    // Ranges that are none, or outside the side.
+    let of = |lo: f64, hi: f64| {
+        let side = (all[0].as_ref(), Side::North);
+        let own = (side, Interval { lo, hi });
+        continuity_in_part(own, own, WELD, &JumpOptions::default())
+    };
+    assert!(of(0.3, 1.2).is_some());
+    for (lo, hi) in [
+        (0.3, 0.3),
+        (1.0, 0.5),
+        (-0.1, 1.0),
+        (0.0, 2.1),
+        (f64::NAN, 1.0),
+    ] {
+        assert!(of(lo, hi).is_none(), "{lo} {hi}");
+    }
 }
 
 #[test]
@@ -57,12 +123,18 @@ fn sides_that_overlap_in_a_stretch() {
     // One reaches from 0 to 2, the other, beside it, from 1.5 to 3.1: half of 2 - 1.5 is not common.
     let found = found(&[rectangle(0.0, 0.0, 2.0, 1.0), rectangle(1.5, 1.0, 1.6, 1.0)]);
     assert_eq!(found.len(), 1, "{found:?}");
+    // The stretch ends where either side does.
     let ends = found[0].ends.map(|p| p.x);
-    // To a thirty-second of the side.
     assert!(
-        (ends[0] - 1.5).abs() < 1e-9 && (ends[1] - 2.0).abs() <= 1.6 / 32.0,
+        (ends[0] - 1.5).abs() < 1e-12 && (ends[1] - 2.0).abs() < 1e-12,
         "{ends:?}"
     );
+    let [Some([part, along]), None] = found[0].stretches else {
+        panic!("{:?}", found[0].stretches)
+    };
+    assert_eq!((part, along.hi), (found[0].range, 1.0));
+    assert!((part.lo).abs() < 1e-12 && (part.hi - 0.5 / 1.6).abs() < 1e-12);
+    assert!((along.lo - 0.75).abs() < 1e-12);
 }
 
 #[test]
@@ -86,6 +158,36 @@ fn closed_sides_with_other_starts() {
         [joint.along, joint.part],
         [(0, Side::East), (1, Side::West)]
     );
+    // Two stretches: from the start of the second to that of the first, and from there on; v is the angle.
+    let [Some(first), Some(second)] = joint.stretches else {
+        panic!("{joint:?}")
+    };
+    let start = 0.5 / TAU;
+    for ([part, along], [p, a]) in [
+        (first, [[0.0, 1.0 - start], [start, 1.0]]),
+        (second, [[1.0 - start, 1.0], [0.0, start]]),
+    ] {
+        for (range, ends) in [(part, p), (along, a)] {
+            assert!((range.lo - ends[0]).abs() < 1e-9 && (range.hi - ends[1]).abs() < 1e-9);
+        }
+    }
+    // The cylinder and the cone turn by 45° all along.
+    for c in measured(&turned, joint) {
+        assert!(c.gap.within(1e-9) == Some(true));
+        assert!((c.angle.found - FRAC_PI_4).abs() < 1e-9);
+        assert!(c.angle.within(FRAC_PI_4 * 1.011) == Some(true));
+    }
+    // Run through in opposite directions.
+    let mirror = DAffine3::from_scale(v(1.0, -1.0, 1.0));
+    let back: SurfaceRef = Arc::new(Transformed::new(turned[1].clone(), mirror).unwrap());
+    let opposite = [turned[0].clone(), back];
+    let joint = partial_joints(&opposite, &joints(&opposite, WELD), WELD)[0];
+    let all = measured(&opposite, joint);
+    assert_eq!(all.len(), 2);
+    for c in all {
+        assert!(c.gap.within(1e-9) == Some(true), "{c:?}");
+        assert!((c.angle.found - FRAC_PI_4).abs() < 1e-9);
+    }
     // With the same start they are joined, and there is nothing to tell.
     let alike = [ring(low, middle, 0.5), ring(middle, high, 0.5)];
     assert!(joints(&alike, WELD).joints.len() == 3 && found(&alike).is_empty());

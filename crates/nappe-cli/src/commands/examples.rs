@@ -48,6 +48,7 @@ const EXAMPLES: &[Example] = bundled![
     "bezier-rib",
     "bilinear",
     "blade",
+    "blend",
     "bottle",
     "coons-blending",
     "coons-neighbour",

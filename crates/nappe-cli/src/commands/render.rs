@@ -123,7 +123,7 @@ enum Behind {
 }
 
 /// Pixels that the silhouette of the mesh may be off.
-const PIXEL_SHARE: f64 = 0.25;
+pub(super) const PIXEL_SHARE: f64 = 0.25;
 /// Cells along each direction between which a curvature is interpolated, also where the surface is straight.
 const SHADES: usize = 32;
 /// Dark stripes over half a turn.
@@ -173,13 +173,7 @@ impl Args {
         for note in report.notes {
             screen.note(note);
         }
-        if !left_out.is_empty() {
-            screen.note(format!(
-                "note: too small to be seen at this size, and not drawn: {}\n  help: to see it, draw it alone, with the rest \
-                 construction_only = true",
-                left_out.join(", ")
-            ));
-        }
+        tell_left_out(&left_out, screen);
         if self.nets {
             without_net(&model)
                 .iter()
@@ -246,6 +240,17 @@ impl Args {
     }
 }
 
+/// Tells which surfaces are not drawn.
+pub(super) fn tell_left_out(names: &[String], screen: &Screen) {
+    if !names.is_empty() {
+        screen.note(format!(
+            "note: too small to be seen at this size, and not drawn: {}\n  help: to see it, draw it alone, with the rest \
+             construction_only = true",
+            names.join(", ")
+        ));
+    }
+}
+
 /// Colours by curvature, on a scale of the values themselves.
 fn curved(model: &Model, scene: &mut Scene, which: Bend) -> Paint {
     scene.fields = vec![scene::curvature_field(model, &scene.mesh, which)];
@@ -257,7 +262,7 @@ fn curved(model: &Model, scene: &mut Scene, which: Bend) -> Paint {
 }
 
 /// The most points of a line: enough for any picture.
-const MOST_POINTS: usize = 100_000;
+pub(super) const MOST_POINTS: usize = 100_000;
 
 fn isoline(
     model: &Model,
@@ -328,7 +333,7 @@ fn without_net(model: &Model) -> Vec<String> {
 }
 
 /// Says early what would keep the picture from being written.
-fn check(path: &Path) -> Result<(), Failure> {
+pub(super) fn check(path: &Path) -> Result<(), Failure> {
     match Format::from_path(path) {
         Ok(Format::Png | Format::Svg) => output::check(path),
         Ok(other) => Err(Problem::new(format!(
@@ -341,7 +346,7 @@ fn check(path: &Path) -> Result<(), Failure> {
     }
 }
 
-fn size(text: &str) -> Result<[u32; 2], String> {
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || format!("`{text}` is not a size such as 1600x1200");
     let (w, h) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
     let pixels = |s: &str| match s.trim().parse::<u32>() {

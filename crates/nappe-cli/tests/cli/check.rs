@@ -242,3 +242,119 @@ fn a_claim_that_is_only_estimated_says_so_in_its_row() {
     assert!(row.unwrap().ends_with("  estimated"), "{}", run.data());
     assert!(run.data().contains("1 claim is only estimated"));
 }
+
+/// A long side with two short ones along it, of which the second turns away by atan(0.4).
+const IN_PART: &str = r#"
+tolerance = 0.01
+[surfaces.floor]
+kind = "bilinear"
+corners = [[[0, 0, 0], [0, 2, 0]], [[2, 0, 0], [2, 2, 0]]]
+[surfaces.left]
+kind = "bilinear"
+corners = [[[0, 2, 0], [0, 3, 0]], [[0.8, 2, 0], [0.8, 3, 0]]]
+[surfaces.right]
+kind = "bilinear"
+corners = [[[0.8, 2, 0], [0.8, 3, 0.4]], [[2, 2, 0], [2, 3, 0.4]]]
+"#;
+
+#[test]
+fn sides_that_meet_in_part_are_measured_along_it() {
+    let folder = Folder::with_model(IN_PART);
+    let run = folder.nappe("check model.nappe.toml");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_snapshot!("check-in-part", String::from_utf8(run.stdout).unwrap());
+    let run = folder.nappe("check model.nappe.toml --format json");
+    let json: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    let parts = json["sides_in_part"].as_array().unwrap();
+    assert_eq!(parts.len(), 2);
+    for (part, (angle, along)) in parts
+        .iter()
+        .zip([(0.0, [0.0, 0.4]), (0.4f64.atan(), [0.4, 1.0])])
+    {
+        let stretches = part["stretches"].as_array().unwrap();
+        assert_eq!(stretches.len(), 1);
+        for k in 0..2 {
+            let end = stretches[0]["along"][k].as_f64().unwrap();
+            assert!((end - along[k]).abs() < 1e-12);
+        }
+        let found = stretches[0]["found"]["angle"]["found"].as_f64().unwrap();
+        assert!((found - angle).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn joints_are_drawn_by_what_they_reach() {
+    let wrong = claim("floor.east", "wall.west", "G1", "\"45deg\"");
+    let folder = Folder::with_model(&format!("{MODEL}{wrong}"));
+    let run = folder.nappe("check model.nappe.toml --draw joints.svg --size 400x300");
+    // Drawn also where a claim fails, which decides the exit code.
+    assert_eq!(run.code, 1);
+    assert!(
+        run.stderr.starts_with("joints.svg: 400 × 300 pixels"),
+        "{}",
+        run.stderr
+    );
+    let svg = String::from_utf8(folder.read("joints.svg")).unwrap();
+    let says = |svg: &str, text: &str| svg.contains(&format!(">{text}</text>"));
+    for text in [
+        "G0: an edge or a crease",
+        "G2",
+        "an open side",
+        "a claim fails",
+    ] {
+        assert!(says(&svg, text), "{text}");
+    }
+    for text in ["G1", "not joined: a gap", "not joined: other ends", "cross"] {
+        assert!(!says(&svg, text), "{text}");
+    }
+    // What is said of other models.
+    let crossing = r#"
+[surfaces.blade]
+kind = "bilinear"
+corners = [[[0.5, 0.2, -1], [0.5, 0.2, 1]], [[0.6, 0.8, -1], [0.6, 0.8, 1]]]
+"#;
+    let apart = MODEL.replace(
+        "[[0, 0, 0], [0, 1, 0]]]",
+        "[[-0.002, 0, 0], [-0.002, 1, 0]]]",
+    );
+    let folded = r#"
+[surfaces.bow]
+kind = "bilinear"
+corners = [[[0, 0, 0], [0, 1, 0]], [[1, 1, 0], [1, 0, 0]]]
+"#;
+    for (model, text) in [
+        (format!("{MODEL}{crossing}"), "cross"),
+        (apart, "not joined: a gap"),
+        (IN_PART.to_owned(), "not joined: other ends"),
+        (folded.to_owned(), "folds over"),
+    ] {
+        let folder = Folder::with_model(&model);
+        folder.nappe("check model.nappe.toml --draw a.svg --view 20,50");
+        let svg = String::from_utf8(folder.read("a.svg")).unwrap();
+        assert!(says(&svg, text), "{text}");
+    }
+    // The picture has pixels too, and another view is another picture.
+    let pictures = ["iso", "top"].map(|view| {
+        folder.nappe(&format!(
+            "check model.nappe.toml --draw a.png --size 200x150 --view {view}"
+        ));
+        folder.read("a.png")
+    });
+    assert!(pictures[0].starts_with(b"\x89PNG") && pictures[0] != pictures[1]);
+}
+
+#[test]
+fn a_picture_that_cannot_be_written_is_refused_at_once() {
+    let folder = Folder::with_model(MODEL);
+    for name in ["a.stl", "a", "nowhere/a.png"] {
+        let run = folder.nappe(&format!("check model.nappe.toml --draw {name}"));
+        assert_eq!(run.code, 1, "{name}");
+        assert!(
+            run.stdout.is_empty() && run.stderr.contains(name),
+            "{}",
+            run.stderr
+        );
+    }
+    assert_eq!(folder.nappe("check model.nappe.toml --view top").code, 2);
+    assert_eq!(folder.names(), ["model.nappe.toml"]);
+}

@@ -4,7 +4,7 @@ use super::colour::{ColourMap, rgb};
 use super::ink::text_width;
 use super::scale::Scale;
 use super::view::Camera;
-use super::{Background, PictureOptions};
+use super::{Background, KeyEntry, PictureOptions};
 use crate::scene::{Colour, Field};
 use glam::{DVec2, DVec3};
 
@@ -86,7 +86,12 @@ pub(crate) struct Room {
 type Legend<'a> = Option<(&'a Scale, &'a Field)>;
 
 /// The room that marks need.
-pub(crate) fn reserve(unit: f64, title: Option<&str>, legend: Legend<'_>) -> Room {
+pub(crate) fn reserve(
+    unit: f64,
+    title: Option<&str>,
+    legend: Legend<'_>,
+    key: &[KeyEntry],
+) -> Room {
     let side = MARGIN * unit;
     let top = side
         + if title.is_some() {
@@ -94,11 +99,67 @@ pub(crate) fn reserve(unit: f64, title: Option<&str>, legend: Legend<'_>) -> Roo
         } else {
             0.0
         };
+    let bar = legend.map_or(0.0, |l| side + legend_width(unit, l));
     Room {
         side,
         top,
-        legend: legend.map_or(0.0, |l| side + legend_width(unit, l)),
+        legend: bar.max(key_width(unit, key)),
     }
+}
+
+/// The length of a line in the key, and the room between it and its text.
+const SWATCH: [f64; 2] = [26.0, 9.0];
+/// The distance of lines of text in the key, in units of their size.
+const LEADING: f64 = 1.55;
+/// The width that a key takes; 0 if there is none.
+fn key_width(unit: f64, key: &[KeyEntry]) -> f64 {
+    let texts = key.iter().map(|e| text_width(&e.text, LABEL * unit));
+    texts
+        .reduce(f64::max)
+        .map_or(0.0, |w| w + (SWATCH[0] + SWATCH[1] + 1.5 * MARGIN) * unit)
+}
+
+/// The key in the lower right corner, the first entry at the top.
+pub(crate) fn key_marks(
+    options: &PictureOptions,
+    unit: f64,
+    key: &[KeyEntry],
+    theme: &Theme,
+) -> Vec<Mark> {
+    let [width, height] = options.size.map(f64::from);
+    let left = width - key_width(unit, key) + 0.5 * MARGIN * unit;
+    let size = LABEL * unit;
+    let mut out = Vec::new();
+    for (row, entry) in key.iter().rev().enumerate() {
+        let y = height - MARGIN * unit - row as f64 * LEADING * size;
+        let swatch = SWATCH[0] * unit;
+        let (from, to) = if entry.dot {
+            let middle = DVec2::new(left + 0.5 * swatch, y);
+            // A line hardly longer than nothing has round ends: a dot.
+            (middle, middle + DVec2::new(0.01, 0.0))
+        } else {
+            // Within the swatch with its round ends.
+            let end = (0.5 * entry.width * unit).min(0.49 * swatch);
+            (
+                DVec2::new(left + end, y),
+                DVec2::new(left + swatch - end, y),
+            )
+        };
+        out.push(Mark::Stroke {
+            from,
+            to,
+            width: entry.width * unit,
+            colour: entry.colour,
+        });
+        out.push(Mark::Text {
+            at: DVec2::new(left + swatch + SWATCH[1] * unit, y + 0.35 * size),
+            size,
+            anchor: Anchor::Start,
+            colour: theme.ink,
+            text: entry.text.clone(),
+        });
+    }
+    out
 }
 
 fn heading(field: &Field) -> [String; 2] {

@@ -178,6 +178,30 @@ impl Line {
     }
 }
 
+/// A dot drawn with a scene: a place. Where a surface hides it, it is faint.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dot {
+    /// The place.
+    pub at: DVec3,
+    /// The colour.
+    pub colour: Colour,
+    /// The radius in pixels of a picture whose shorter side has 800.
+    pub radius: f64,
+}
+
+/// An entry of a key: what lines or dots of a colour mean.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyEntry {
+    /// The colour.
+    pub colour: Colour,
+    /// The width of the line or of the dot, in pixels of a picture whose shorter side has 800.
+    pub width: f64,
+    /// Whether a dot is shown, not a line.
+    pub dot: bool,
+    /// What it means.
+    pub text: String,
+}
+
 /// A control net: points joined along rows and columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Net {
@@ -214,6 +238,8 @@ pub struct Picture<'a> {
     options: PictureOptions,
     lines: Vec<Line>,
     nets: Vec<Net>,
+    dots: Vec<Dot>,
+    key: Vec<KeyEntry>,
 }
 
 impl<'a> Picture<'a> {
@@ -224,6 +250,8 @@ impl<'a> Picture<'a> {
             options,
             lines: Vec::new(),
             nets: Vec::new(),
+            dots: Vec::new(),
+            key: Vec::new(),
         }
     }
 
@@ -245,6 +273,18 @@ impl<'a> Picture<'a> {
     /// [`PictureError`]: options out of range.
     pub fn eye(&self) -> Result<Option<DVec3>, PictureError> {
         Ok(self.stage()?.camera.eye())
+    }
+
+    /// Adds dots.
+    pub fn dots(mut self, dots: impl IntoIterator<Item = Dot>) -> Self {
+        self.dots.extend(dots);
+        self
+    }
+
+    /// Adds entries to the key, which stands in the lower right corner.
+    pub fn key(mut self, entries: impl IntoIterator<Item = KeyEntry>) -> Self {
+        self.key.extend(entries);
+        self
     }
 
     /// Writes `.png` or `.svg`, as the path's ending says.
@@ -300,12 +340,7 @@ impl<'a> Picture<'a> {
 
     fn stage(&self) -> Result<Stage<'_>, PictureError> {
         self.check()?;
-        Ok(Stage::new(
-            self.scene,
-            &self.options,
-            &self.lines,
-            &self.nets,
-        ))
+        Ok(Stage::new(self))
     }
 
     fn check(&self) -> Result<(), PictureError> {
@@ -374,6 +409,12 @@ impl<'a> Picture<'a> {
                     columns,
                 });
             }
+        }
+        if let Some((index, dot)) = self.dots.iter().enumerate().find(|d| !d.1.at.is_finite()) {
+            return Err(PictureError::DotNotFinite {
+                index,
+                point: dot.at,
+            });
         }
         let lines = self
             .lines

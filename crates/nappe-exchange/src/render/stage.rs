@@ -3,20 +3,12 @@
 use super::colour::{mapped, rgb};
 use super::light::Stuff;
 use super::lines::borders;
-use super::marks::{Mark, Theme, marks, reserve};
+use super::marks::{Mark, Theme, key_marks, marks, reserve};
 use super::scale::{Scale, areas};
 use super::view::{Camera, Frame};
-use super::{Background, Line, Net, Paint, PictureOptions};
+use super::{Background, Dot, Line, Net, Paint, Picture, PictureOptions};
 use crate::scene::{Colour, Scene};
 use glam::{DVec2, DVec3};
-
-/// A point of a control net.
-#[derive(Clone, Debug)]
-pub(crate) struct Dot {
-    pub(crate) at: DVec3,
-    pub(crate) colour: Colour,
-    pub(crate) radius: f64,
-}
 
 /// A picture's content.
 pub(crate) struct Stage<'a> {
@@ -42,12 +34,8 @@ const BIAS_SHARE: f64 = 4e-4;
 const NO_VALUE: Colour = rgb(0x9aa0a6);
 
 impl<'a> Stage<'a> {
-    pub(crate) fn new(
-        scene: &'a Scene,
-        options: &'a PictureOptions,
-        extra: &[Line],
-        nets: &[Net],
-    ) -> Stage<'a> {
+    pub(crate) fn new(picture: &'a Picture<'_>) -> Stage<'a> {
+        let (scene, options) = (picture.scene, &picture.options);
         let [width, height] = options.size.map(f64::from);
         let unit = width.min(height) / DESIGN_SIDE;
         let theme = Theme::of(options.background);
@@ -60,15 +48,15 @@ impl<'a> Stage<'a> {
             }
             _ => None,
         };
-        let mut lines = extra.to_vec();
+        let mut lines = picture.lines.clone();
         if options.borders {
             lines.extend(borders(scene).into_iter().map(Line::border));
         }
         if options.curves {
             lines.extend(scene.curves.iter().map(|c| Line::curve(c.points.clone())));
         }
-        let mut dots = Vec::new();
-        for net in nets {
+        let mut dots = picture.dots.clone();
+        for net in &picture.nets {
             net_lines(net, &mut lines);
             dots.extend(net.points.iter().map(|&at| Dot {
                 at,
@@ -91,7 +79,8 @@ impl<'a> Stage<'a> {
             Paint::Field { index, .. } => scene.fields.get(index),
             _ => None,
         });
-        let room = reserve(unit, title, legend);
+        let key = &picture.key;
+        let room = reserve(unit, title, legend, key);
         let frame = Frame {
             min: DVec2::new(room.side, room.top),
             max: DVec2::new(width - room.legend.max(room.side), height - room.side),
@@ -115,7 +104,8 @@ impl<'a> Stage<'a> {
             } else {
                 0.0
             };
-        let marks = marks(options, unit, title, legend, &camera, &theme);
+        let mut marks = marks(options, unit, title, legend, &camera, &theme);
+        marks.extend(key_marks(options, unit, key, &theme));
         Stage {
             scene,
             options,

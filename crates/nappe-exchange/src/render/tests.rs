@@ -556,3 +556,70 @@ fn pictures_of_all_kinds_are_drawn() {
         assert!(text.len() < 1_000_000, "{name}: {}", text.len());
     }
 }
+
+/// A dot has its colour where it is seen, and is fainter where a surface hides it; the key names it.
+#[test]
+fn dots_and_their_key() {
+    let scene = squares();
+    let dot = |y: f64| Dot {
+        at: DVec3::new(0.7, y, 0.7),
+        colour: [0.0, 0.8, 0.0],
+        radius: 40.0,
+    };
+    let entry = |colour, dot, text: &str| KeyEntry {
+        colour,
+        width: 6.0,
+        dot,
+        text: text.into(),
+    };
+    let green = |y: f64| {
+        let picture = Picture::new(&scene, plain(400)).dots([dot(y)]);
+        let stage = picture.stage().unwrap();
+        let p = stage.camera.project(dot(y).at);
+        let [r, g, _, _] = draw(&picture).0.pixels[p.y as usize * 400 + p.x as usize];
+        g - r
+    };
+    let (seen, hidden, without) = (green(-1.0), green(1.5), {
+        let picture = Picture::new(&scene, plain(400));
+        let p = picture.stage().unwrap().camera.project(dot(1.5).at);
+        let [r, g, _, _] = draw(&picture).0.pixels[p.y as usize * 400 + p.x as usize];
+        g - r
+    });
+    assert!(seen > 0.5 && hidden > without + 0.05 && hidden < seen - 0.2);
+
+    let key = [
+        entry([0.0, 0.8, 0.0], true, "a place"),
+        entry([0.8, 0.0, 0.0], false, "a line & more"),
+    ];
+    let picture = Picture::new(&scene, plain(400)).dots([dot(-1.0)]);
+    let with = picture.clone().key(key);
+    let text = svg_text(&with, "key");
+    assert!(text.contains(">a place</text>") && text.contains(">a line &amp; more</text>"));
+    // Its room is taken from the scene, which stays left of it.
+    let widest = |picture: &Picture<'_>| {
+        let stage = picture.stage().unwrap();
+        let points = scene.mesh.points.iter();
+        let x = points.map(|p| stage.camera.project(*p).x);
+        x.fold(0.0, f64::max)
+    };
+    let left = |m: &marks::Mark| match m {
+        marks::Mark::Stroke { from, .. } => from.x,
+        marks::Mark::Text { at, .. } => at.x,
+        marks::Mark::Bar { min, .. } => min.x,
+    };
+    let stage = with.stage().unwrap();
+    let first = stage.marks.iter().map(left).fold(f64::INFINITY, f64::min);
+    assert_eq!(stage.marks.len(), 4);
+    assert!(widest(&with) < first && widest(&picture) > widest(&with));
+
+    let nowhere = Dot {
+        at: DVec3::new(0.0, f64::NAN, 0.0),
+        ..dot(0.0)
+    };
+    assert!(matches!(
+        Picture::new(&scene, plain(400))
+            .dots([dot(0.0), nowhere])
+            .stage(),
+        Err(PictureError::DotNotFinite { index: 1, .. })
+    ));
+}

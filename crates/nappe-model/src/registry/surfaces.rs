@@ -12,6 +12,7 @@ const SIDES: [Key; 4] = [
     key("east", Curve, Required, "the side u = 1, along v"),
 ];
 const CROSS: Shape = Either(&[Choice(&["ferguson", "adini"]), Record(NEIGHBOUR), Curve]);
+const CONTINUITY: Shape = Choice(&["G0", "G1", "G2"]);
 const V_FORMULA: Shape = Formula(&["v"]);
 const T_FORMULA: Shape = Formula(&["t"]);
 const STITCH: Shape = Either(&[Record(NEIGHBOUR), Curve]);
@@ -393,6 +394,36 @@ pub const SURFACES: &[Kind] = &[
                     "as long as the surfaces lie beside each other; round a cylinder one turn",
                 ),
                 "lengths along the edge, or angles round a cylinder that the plane crosses",
+            ),
+        ],
+    },
+    Kind {
+        name: "blend",
+        doc: "a bridge from a side of one surface to a side of another that continues both smoothly",
+        keys: &[
+            key(
+                "between",
+                List(&Side, Some(2)),
+                Required,
+                "two sides, such as [\"hull.north\", \"deck.south\"]: the first becomes the side v = 0, run through in its own direction, the second the side v = 1; normals are those of the first surface if its side is north or west, else opposite",
+            ),
+            key(
+                "continuity",
+                Either(&[CONTINUITY, List(&CONTINUITY, Some(2))]),
+                Optional("G2"),
+                "how both sides are met, or each: G0 in their points (with straight lines if both are), G1 with their tangent planes, G2 with their curvatures as well",
+            ),
+            key(
+                "bulge",
+                Either(&[Number, PAIR]),
+                Optional("1"),
+                "how far the blend follows both surfaces, or each: the mean length of its tangents there, in units of the mean distance of the sides",
+            ),
+            key(
+                "reverse",
+                Bool,
+                Optional("whatever leaves the sides nearer to each other"),
+                "whether the second side is run through backwards",
             ),
         ],
     },

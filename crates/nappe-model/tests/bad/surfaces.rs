@@ -153,6 +153,55 @@ const ROWS: &[Row] = &[
         &["surface `s`", "radius 1000000000"],
         "smaller",
     ),
+    // Blends.
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1]\ncenter = [0, 5, 0]\n[surfaces.s]\nkind = 'blend'\nbetween = ['a.north', 'a.north']",
+        (12, 23),
+        &["surface `s`", "same curve"],
+        "room between",
+    ),
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1]\ncenter = [0, 5, 0]\n[surfaces.s]\nkind = 'blend'\nbetween = ['a.north', 'b.south']",
+        (12, 23),
+        &["surface `s`", "one point"],
+        "G0",
+    ),
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1]\ncenter = [0, 5, 0]\n[surfaces.s]\nkind = 'blend'\nbetween = ['a.north', 'b.west']",
+        (12, 23),
+        &["surface `s`", "no tangent plane at 0 "],
+        "smaller range",
+    ),
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1]\ncenter = [0, 5, 0]\n[surfaces.s]\nkind = 'blend'\nbetween = ['a.north', 'b.east']\nbulge = 0",
+        (13, 9),
+        &["surface `s`", "bulge is 0 at the first side"],
+        "greater than 0",
+    ),
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1]\ncenter = [0, 5, 0]\n[surfaces.s]\nkind = 'blend'\nbetween = ['a.north', 'b.east']\nbulge = [1, -2]",
+        (13, 13),
+        &["surface `s`", "bulge is -2 at the second side"],
+        "greater than 0",
+    ),
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1]\ncenter = [0, 5, 0]\n[surfaces.s]\nkind = 'blend'\nbetween = ['a.north', 'b.east']\ncontinuity = 'G3'",
+        (13, 14),
+        &["surface `s`", "\"G3\" is not one of G0, G1, G2"],
+        "did you mean",
+    ),
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1]\ncenter = [0, 5, 0]\n[surfaces.s]\nkind = 'blend'\nbetween = ['a.north', 'a']",
+        (12, 23),
+        &["surface `s`", "expected a side"],
+        "dome.south",
+    ),
+    (
+        "[surfaces.a]\nkind = 'bilinear'\ncorners = [[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]]\n[surfaces.b]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1]\ncenter = [0, 5, 0]\n[surfaces.s]\nkind = 'blend'\nbetween = ['s.north', 'a.south']",
+        (12, 12),
+        &["depend on each other: surface `s`"],
+        "points",
+    ),
     // Quadrics and tori.
     (
         "[surfaces.s]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [1, 2]",

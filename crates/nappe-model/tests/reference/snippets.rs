@@ -195,6 +195,10 @@ const SURFACES: &[(&str, &str)] = &[
         "[surfaces.seam]\nkind = \"fillet\"\nbetween = [\"floor\", \"wall\"]\nradius = \"8 + 4*u\"\n",
     ),
     (
+        "blend",
+        "[surfaces.shelf]\nkind = \"bilinear\"\ncorners = [[[0, 70, 15], [0, 90, 15]], [[60, 70, 25], [60, 90, 25]]]\n\n[surfaces.ramp]\nkind = \"blend\"\nbetween = [\"floor.north\", \"shelf.south\"]\ncontinuity = [\"G2\", \"G1\"]\nbulge = [1, 0.8]\n",
+    ),
+    (
         "diagonal-key",
         "[surfaces.key]\nkind = \"diagonal-key\"\nsouth = { kind = \"bezier\", points = [[0, 0, 0], [0, 12, 26], [0, 40, 4]] }\nnorth = { kind = \"bezier\", points = [[60, 4, 6], [60, 10, 2], [60, 34, 22]] }\nwest = { kind = \"bezier\", points = [[0, 0, 0], [30, 4, 12], [60, 4, 6]] }\neast = { kind = \"bezier\", points = [[0, 40, 4], [30, 46, 2], [60, 34, 22]] }\nq = \"2*v*(1 - v)\"\n",
     ),

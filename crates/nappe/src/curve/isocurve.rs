@@ -135,9 +135,9 @@ impl Curve for Isocurve {
     }
 }
 
-/// The derivative across an isoparametric curve as a vector-valued curve: `∂r/∂v` along u, `∂r/∂u` along v. On all
-/// four sides the derivative is with respect to the growing parameter: on south and west it points inwards, on north
-/// and east outwards.
+/// The derivative across an isoparametric curve as a vector-valued curve: `∂r/∂v` along u, `∂r/∂u` along v, or one of
+/// higher order. On all four sides the derivative is with respect to the growing parameter: on south and west the first
+/// one points inwards, on north and east outwards.
 #[derive(Clone, Debug)]
 pub struct CrossDerivative(OnSurface);
 
@@ -150,7 +150,12 @@ impl CrossDerivative {
 
     /// The derivative across a side.
     pub fn side(surface: SurfaceRef, side: Side) -> Self {
-        Self(OnSurface::on_side(surface, side, 1))
+        Self::side_of_order(surface, side, 1)
+    }
+
+    /// The derivative of the given order across a side: `∂ᵏr/∂vᵏ` or `∂ᵏr/∂uᵏ`.
+    pub fn side_of_order(surface: SurfaceRef, side: Side, order: usize) -> Self {
+        Self(OnSurface::on_side(surface, side, order))
     }
 }
 
@@ -167,10 +172,10 @@ impl Curve for CrossDerivative {
         self.0.enclose_piece(t, limit, out);
     }
 
-    /// Of twice the degree if the surface is rational.
+    /// Of `order + 1` times the degree if the surface is rational.
     fn to_nurbs(&self) -> Option<NurbsCurve> {
         let s = self.0.surface.to_nurbs()?;
-        s.cross_derivative(self.0.along, self.0.at, self.0.limit)
+        s.cross_derivative(self.0.along, self.0.at, self.0.limit, self.0.across)
             .ok()
     }
 }

@@ -3,12 +3,13 @@
 use super::curve_tools::{
     check_degree, check_interval, check_multiplicity, check_part, inside, refine, single_rows,
 };
-use super::piecewise::bernstein_product;
+use super::piecewise::{PiecewiseRational, bernstein_product};
 use super::spline::{Row, Spline, join};
 use super::{NurbsCurve, NurbsError, NurbsSurface};
 use crate::basis::{BSplineBasis, Functions};
 use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
+use crate::series::binomial;
 use crate::surface::{Dir, Surface};
 use glam::{DAffine3, DVec3, DVec4, Vec4Swizzles};
 use smallvec::SmallVec;
@@ -210,62 +211,111 @@ impl NurbsSurface {
         NurbsCurve::from_homogeneous(self.basis(along).clone(), points)
     }
 
-    /// The derivative across an isoparametric curve (`∂r/∂v` along u, or `∂r/∂u` along v), as a vector-valued curve:
-    /// a NURBS curve of the same degree, or of twice the degree for a rational surface.
+    /// The derivative of an order across an isoparametric curve (`∂ᵏr/∂vᵏ` along u, or `∂ᵏr/∂uᵏ` along v), as a
+    /// vector-valued curve: a NURBS curve of the same degree, or of `k + 1` times the degree for a rational surface.
     ///
-    /// Error: the degree is more than half of what is possible.
+    /// Error: that degree is more than what is possible.
     pub fn cross_derivative(
         &self,
         along: Dir,
         at: f64,
         limit: Limit,
+        order: usize,
     ) -> Result<NurbsCurve, NurbsError> {
-        // The surface's own origin: the derivative is then that of its jets to the last digits, also far away.
-        let origin = super::nurbs_curve::middle(self.homogeneous());
-        let mut rows = self.contracted(along, at, limit, 1, origin).into_iter();
-        let (point, slope) = (
-            rows.next().unwrap_or_default(),
-            rows.next().unwrap_or_default(),
-        );
-        let basis = self.basis(along);
-        if !self.is_rational() {
-            let w = point[0].w;
-            let points = slope.iter().map(|p| (p.xyz() / w).extend(1.0)).collect();
-            return Ok(NurbsCurve::from_homogeneous(basis.clone(), points));
-        }
-        // ∂r = (w ∂R - ∂w R) / w², with R measured from a point near the curve: less cancellation.
-        check_degree(basis.degree(), 2 * basis.degree())?;
-        let origin = super::nurbs_curve::middle(&point);
-        let local = |p: DVec4| (p.xyz() - origin * p.w).extend(p.w);
-        let spline = |points: Vec<DVec4>| {
-            Spline::new(basis, single_rows(points.into_iter().map(local))).pieces()
-        };
-        let (breaks, point) = spline(point);
-        let (_, slope) = spline(slope);
-        let pieces: Vec<Vec<Row>> = point
-            .iter()
-            .zip(&slope)
-            .map(|(r, d)| {
-                let c =
-                    |rows: &[Row], k: usize| -> Vec<f64> { rows.iter().map(|x| x[0][k]).collect() };
-                let (w, dw) = (c(r, 3), c(d, 3));
-                let mut out = vec![vec![DVec4::ZERO]; 2 * basis.degree() + 1];
-                for k in 0..3 {
-                    let (a, b) = (
-                        bernstein_product(&w, &c(d, k)),
-                        bernstein_product(&dw, &c(r, k)),
-                    );
-                    for (o, (a, b)) in out.iter_mut().zip(a.iter().zip(&b)) {
-                        o[0][k] = a - b;
-                    }
-                }
-                for (o, w2) in out.iter_mut().zip(bernstein_product(&w, &w)) {
-                    o[0].w = w2;
-                }
-                out
+        let all = self.cross_derivatives(along, at, limit, order, None)?;
+        let pieces: Vec<Vec<Row>> = (0..all.breaks().pieces())
+            .map(|i| {
+                let den = all.denominator(i);
+                let point = |k: usize| {
+                    let [x, y, z] = [0, 1, 2].map(|c| all.numerator(i, 3 * order + c)[k]);
+                    vec![DVec4::new(x, y, z, den[k])]
+                };
+                (0..=all.degree()).map(point).collect()
             })
             .collect();
-        debug_assert_eq!(breaks.pieces(), pieces.len());
-        NurbsCurve::from_spline(join(&breaks, 2 * basis.degree(), &pieces))
+        NurbsCurve::from_spline(join(all.breaks(), all.degree(), &pieces))
+    }
+
+    /// The coordinates of an isoparametric curve, measured from `origin` (or from the surface's own), and of the derivatives
+    /// across it up to an order: three functions for each. All have one denominator, the surface's to the power of
+    /// `order + 1`.
+    ///
+    /// Error: the degree, that of the surface times `order + 1` if it is rational, is more than what is possible.
+    pub(crate) fn cross_derivatives(
+        &self,
+        along: Dir,
+        at: f64,
+        limit: Limit,
+        order: usize,
+        origin: Option<DVec3>,
+    ) -> Result<PiecewiseRational, NurbsError> {
+        let own = super::nurbs_curve::middle(self.homogeneous());
+        let lines = self.contracted(along, at, limit, order, own);
+        let basis = self.basis(along);
+        let p = basis.degree();
+        // Measured from a point near the curve: less cancellation in the quotients.
+        let near = super::nurbs_curve::middle(&lines[0]);
+        let shift = own - origin.unwrap_or(own) + near;
+        let local = |p: DVec4| (p.xyz() - near * p.w).extend(p.w);
+        let mut breaks = Vec::new();
+        let lines: Vec<Vec<Vec<Row>>> = lines
+            .into_iter()
+            .map(|line| {
+                let rows = single_rows(line.into_iter().map(local));
+                let (own, pieces) = Spline::new(basis, rows).pieces();
+                breaks = own;
+                pieces
+            })
+            .collect();
+        let count = 3 * (order + 1);
+        let row = |k: usize, piece: usize, c: usize| -> Vec<f64> {
+            lines[k][piece].iter().map(|x| x[0][c]).collect()
+        };
+        let mut num = Vec::new();
+        if !self.is_rational() {
+            for piece in 0..breaks.pieces() {
+                let w = lines[0][piece][0][0].w;
+                for f in 0..count {
+                    let added = if f < 3 { shift[f] } else { 0.0 };
+                    num.extend(row(f / 3, piece, f % 3).iter().map(|x| x / w + added));
+                }
+            }
+            return Ok(PiecewiseRational::polynomial(breaks, p, count, num));
+        }
+        // r⁽ᵏ⁾ = N_k / wᵏ⁺¹ with N_k = wᵏ R⁽ᵏ⁾ - Σ_{j<k} C(k, j) w⁽ᵏ⁻ʲ⁾ wᵏ⁻ʲ⁻¹ N_j: the quotient rule.
+        let degree = p * (order + 1);
+        check_degree(p, degree)?;
+        let mut den = Vec::new();
+        for piece in 0..breaks.pieces() {
+            let weights: Vec<Vec<f64>> = (0..=order).map(|k| row(k, piece, 3)).collect();
+            let times_w = |mut f: Vec<f64>, times: usize| {
+                for _ in 0..times {
+                    f = bernstein_product(&f, &weights[0]);
+                }
+                f
+            };
+            let mut n: Vec<Vec<Vec<f64>>> = vec![Vec::new(); 3];
+            for k in 0..=order {
+                for (c, n) in n.iter_mut().enumerate() {
+                    let mut sum = times_w(row(k, piece, c), k);
+                    for (j, earlier) in n.iter().enumerate() {
+                        let term = bernstein_product(earlier, &weights[k - j]);
+                        let term = times_w(term, k - j - 1);
+                        let factor = binomial(k, j);
+                        sum.iter_mut().zip(term).for_each(|(s, t)| *s -= factor * t);
+                    }
+                    n.push(sum);
+                }
+            }
+            let w = times_w(weights[0].clone(), order);
+            for f in 0..count {
+                let (k, c) = (f / 3, f % 3);
+                let added = if k == 0 { shift[c] } else { 0.0 };
+                let f = times_w(std::mem::take(&mut n[c][k]), order - k);
+                num.extend(f.iter().zip(&w).map(|(f, w)| f + added * w));
+            }
+            den.extend(w);
+        }
+        Ok(PiecewiseRational::rational(breaks, degree, count, num, den))
     }
 }

@@ -46,8 +46,10 @@ impl Along<'_> {
 
     /// The parameters where pieces meet, and the ends.
     pub(super) fn breaks(&self) -> Vec<f64> {
+        let Interval { lo, hi } = self.edge.range;
         let breaks = self.edge.surface.breaks(self.edge.side.along());
-        breaks.iter().map(|b| b.at).collect()
+        let inside = breaks.iter().map(|b| b.at).filter(|&t| lo < t && t < hi);
+        std::iter::once(lo).chain(inside).chain([hi]).collect()
     }
 
     /// The piece that holds most of `t`.

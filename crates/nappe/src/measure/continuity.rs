@@ -77,9 +77,31 @@ pub type SideOf<'a> = (&'a dyn Surface, Side);
 /// proven (curvature at a pole) the result is estimated. At a pole, what is shorter than rounding counts as zero.
 /// Cost: some hundred points for the correspondence, and four enclosures of order 4 to 6 for each part.
 pub fn continuity(a: SideOf, b: SideOf, tol: f64, options: &JumpOptions) -> Option<Continuity> {
-    let [a, b] = [a, b].map(|(surface, side)| Along {
-        edge: Edge::new(surface, side),
-    });
+    let edges = [a, b].map(|(surface, side)| Edge::new(surface, side));
+    measured(edges, tol, options)
+}
+
+/// The same for a part of each side, from end to end: for ranges of their parameters, such as those of a
+/// [`PartialJoint`](crate::mesh::PartialJoint). `None` also if a range is not in the domain of its side, or has no width.
+pub fn continuity_in_part(
+    a: (SideOf, Interval),
+    b: (SideOf, Interval),
+    tol: f64,
+    options: &JumpOptions,
+) -> Option<Continuity> {
+    let fits = |((surface, side), range): (SideOf, Interval)| {
+        let whole = Edge::new(surface, side).range;
+        whole.lo <= range.lo && range.lo < range.hi && range.hi <= whole.hi
+    };
+    if !(fits(a) && fits(b)) {
+        return None;
+    }
+    let edges = [a, b].map(|((surface, side), range)| Edge::part(surface, side, range));
+    measured(edges, tol, options)
+}
+
+fn measured(edges: [Edge; 2], tol: f64, options: &JumpOptions) -> Option<Continuity> {
+    let [a, b] = edges.map(|edge| Along { edge });
     let map = matching(&a.edge, &b.edge, tol)?;
     let pair = Pair::new(a, b, &map);
     let parts: Vec<Interval> = pair.cells.iter().map(|c| c.t).collect();

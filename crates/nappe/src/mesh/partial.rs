@@ -24,7 +24,7 @@ pub struct PartialJoint {
     pub along: (usize, Side),
     /// The surface and the side of which a greater part lies on the other.
     pub part: (usize, Side),
-    /// The ends of the stretch as parameters of `part`, to a thirty-second of it.
+    /// The ends of the stretch as parameters of `part`.
     pub range: Interval,
     /// The partners of these ends on `along`.
     pub partners: [f64; 2],
@@ -34,6 +34,9 @@ pub struct PartialJoint {
     pub gap: f64,
     /// True if both sides are closed and all of `part` lies on the other: they only start at different points.
     pub closed: bool,
+    /// The ranges of `part` and of `along` that run along each other from end to end, in either direction: one, or two
+    /// where the other side starts in the middle of a closed one.
+    pub stretches: [Option<[Interval; 2]>; 2],
 }
 
 /// Finds the sides that run along each other within `weld` but are not the same curve from end to end: a long side that
@@ -208,7 +211,8 @@ impl<'a> Line<'a> {
             })
         };
         let before = from.checked_sub(1).and_then(|k| samples.get(k));
-        if !ends_there(before) || !ends_there(samples.get(from + stretch.len())) {
+        let after = samples.get(from + stretch.len());
+        if !ends_there(before) || !ends_there(after) {
             return None;
         }
         let points: Vec<DVec3> = stretch.iter().map(|s| s.p).collect();
@@ -217,15 +221,82 @@ impl<'a> Line<'a> {
         }
         let partners: Vec<(f64, f64)> = stretch.iter().filter_map(|s| s.partner).collect();
         let last = stretch.len() - 1;
+        let closed = own.closed && near.closed && stretch.len() == samples.len();
+        // The stretch goes on from its last sample to where the other side ends.
+        let end = |k: usize, next: Option<&Beside>| {
+            let known = (stretch[k].t, partners[k].0, points[k]);
+            let Some(next) = next else { return known };
+            let ends = [other.edge.range.lo, other.edge.range.hi];
+            let at = ends.map(|t| (t, other.edge.point(t)));
+            let (partner, p) = if at[0].1.distance(next.p) <= at[1].1.distance(next.p) {
+                at[0]
+            } else {
+                at[1]
+            };
+            let t = self.nearest(p, self.guess(p).0);
+            let between = stretch[k].t.min(next.t) <= t && t <= stretch[k].t.max(next.t);
+            let q = self.edge.point(t);
+            if between && q.distance(p) <= within {
+                (t, partner, q)
+            } else {
+                known
+            }
+        };
+        let (first, second) = (end(0, before), end(last, after));
+        let range = Interval::new(first.0, second.0);
+        let partners_of_ends = [first.1, second.1];
+        let rising = partners.windows(2).filter(|w| w[1].0 > w[0].0).count();
+        let stretches = if closed {
+            let start = other.edge.point(other.edge.range.lo);
+            let turn = self.nearest(start, self.guess(start).0);
+            around(
+                range,
+                turn,
+                other.edge.range,
+                partners[0].0,
+                2 * rising > last,
+            )
+        } else {
+            let [p, q] = partners_of_ends;
+            let on_other = Interval::new(p.min(q), p.max(q));
+            [(on_other.width() > 0.0).then_some([range, on_other]), None]
+        };
         let joint = PartialJoint {
             along: other.name(),
             part: self.name(),
-            range: Interval::new(stretch[0].t, stretch[last].t),
-            partners: [partners[0].0, partners[last].0],
-            ends: [points[0], points[last]],
+            range,
+            partners: partners_of_ends,
+            ends: [first.2, second.2],
             gap: partners.iter().fold(0.0, |gap, p| p.1.max(gap)),
-            closed: own.closed && near.closed && stretch.len() == samples.len(),
+            closed,
+            stretches,
         };
         Some((stretch.len() as f64 / samples.len() as f64, joint))
     }
+}
+
+/// The stretches of a closed side that begins at the parameter `start` of another closed one, over `whole`, which begins at
+/// the parameter `turn` of the first; `rising` if both run in the same direction.
+fn around(
+    range: Interval,
+    turn: f64,
+    whole: Interval,
+    start: f64,
+    rising: bool,
+) -> [Option<[Interval; 2]>; 2] {
+    let halves = [
+        Interval { hi: turn, ..range },
+        Interval { lo: turn, ..range },
+    ];
+    let upper = Interval { lo: start, ..whole };
+    let lower = Interval { hi: start, ..whole };
+    let others = if rising {
+        [upper, lower]
+    } else {
+        [lower, upper]
+    };
+    [0, 1].map(|k| {
+        let stretch = [halves[k], others[k]];
+        stretch.iter().all(|r| r.width() > 0.0).then_some(stretch)
+    })
 }

@@ -48,6 +48,14 @@ impl<'a> Edge<'a> {
         }
     }
 
+    /// A part of a side: what belongs to a range of its parameter.
+    pub(crate) fn part(surface: &'a dyn Surface, side: Side, range: Interval) -> Self {
+        Self {
+            range,
+            ..Self::new(surface, side)
+        }
+    }
+
     /// The line where the parameter across has the value `at`; `side` says only which way it runs.
     pub(crate) fn inside(surface: &'a dyn Surface, across: Dir, at: f64) -> Self {
         let side = match across {

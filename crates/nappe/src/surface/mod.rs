@@ -60,6 +60,7 @@ macro_rules! evaluate_through {
 mod axis_contact;
 mod bilinear;
 mod biquadratic;
+mod blend;
 mod bulk;
 mod centred;
 mod collapsed;
@@ -95,6 +96,7 @@ pub(crate) use centred::{enclose_centred, enclose_direct};
 
 pub use bilinear::{BilinearError, bilinear};
 pub use biquadratic::{BiquadraticError, biquadratic};
+pub use blend::{Blend, BlendError, BlendOptions};
 pub use bulk::{grid_blocks, in_parallel};
 pub use collapsed::{CollapsedError, check_not_collapsed};
 pub use compatibility::{Compatibility, Datum, Disagreement, Source};

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::model::ModelArgs;
 use crate::scene;
 use crate::screen::Screen;
-use crate::slits::{JOINED, Partial};
+use crate::slits::{JOINED, Partial, Stretch};
 use crate::text::{Table, bound, number, torn};
 use nappe::measure::{
     Continuity, Crease, Jump, JumpOptions, Regularity, Smoothness, continuity, creases, regularity,
@@ -21,6 +21,7 @@ use std::f64::consts::PI;
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+mod draw;
 mod passing;
 
 /// Prove the declared checks, and examine every shared side and every surface
@@ -36,12 +37,18 @@ mod passing;
 /// It fails (exit code 1) if a declared check is missed, or can be neither proven nor estimated to hold, if sides meet
 /// within the tolerance of the mesh but not closely enough to be joined, or if a surface is torn, folds over or passes
 /// through itself. A line inside that is one point, where a surface only touches itself, is told. Two surfaces that pass
-/// through each other are told (•) but are no failure: a handle may well be stuck through a wall. The last line tells how many claims are only estimated and how many pairs are not decided.
+/// through each other are told (•) but are no failure: a handle may well be stuck through a wall. Nor are sides that meet in
+/// part only, of which the same bounds are told along the stretch in common. The last line tells how many claims are only
+/// estimated and how many pairs are not decided.
+///
+/// With --draw, a picture shows all sides in the colour of the smoothness that they reach, the claims that fail, and the
+/// places where surfaces fold over, cross or are not decided.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
   nappe check duct.nappe.toml
-  nappe check duct.nappe.toml --set lift=0 --format json")]
+  nappe check duct.nappe.toml --set lift=0 --format json
+  nappe check duct.nappe.toml --draw joints.png --view 30,40")]
 pub(crate) struct Args {
     #[command(flatten)]
     model: ModelArgs,
@@ -49,6 +56,9 @@ pub(crate) struct Args {
     /// A report for people, or JSON for programs
     #[arg(long, default_value = "text")]
     format: ReportFormat,
+
+    #[command(flatten)]
+    drawing: draw::Drawing,
 }
 
 /// Tangent planes that differ by less (0.1°) count as smooth where nothing is declared.
@@ -58,6 +68,7 @@ const SAME_CURVATURE: f64 = 0.01;
 
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
+        self.drawing.check()?;
         let model = self.model.open(screen)?;
         let found = Findings::of(&model, screen);
         let text = match self.format {
@@ -68,6 +79,7 @@ impl Args {
         for note in found.in_part.notes() {
             screen.note(note);
         }
+        self.drawing.draw(&model, &found, screen)?;
         if found.pass() {
             Ok(())
         } else {
@@ -147,6 +159,7 @@ struct Declared<'a> {
 /// A side that two surfaces, or one with itself, have in common.
 struct Shared {
     sides: [String; 2],
+    first: (usize, Side),
     joint: Option<Continuity>,
     /// The greatest distance found while looking for shared sides.
     gap: f64,
@@ -155,10 +168,13 @@ struct Shared {
 
 struct Findings<'a> {
     unit: &'static str,
+    /// That of the mesh.
+    tolerance: f64,
     declared: Vec<Declared<'a>>,
     shared: Vec<Shared>,
-    open: Vec<String>,
+    open: Vec<(usize, Side)>,
     in_part: Partial<'a>,
+    stretches: Vec<Stretch>,
     surfaces: Vec<(&'a NamedSurface, Regularity, Vec<Crease>)>,
     passing: Passing,
 }
@@ -195,16 +211,16 @@ impl<'a> Findings<'a> {
             let gap = joint.as_ref().map(|c| c.gap);
             Shared {
                 sides: [name(j.first), name(j.second)],
+                first: j.first,
                 verdict: gap.map_or(Verdict::Fails, |g| Verdict::of(&g, JOINED * tolerance)),
                 joint,
                 gap: j.gap,
             }
         });
         let shared = shared.collect();
-        let mut open = Vec::new();
-        for (s, sides) in named.iter().zip(&met.open) {
-            open.extend(sides.iter().map(|side| format!("{}.{side}", s.name)));
-        }
+        let open = met.open.iter().enumerate();
+        let open = open.flat_map(|(i, sides)| sides.iter().map(move |side| (i, *side)));
+        let open = open.collect();
         let regular = named.par_iter().map(|s| {
             let r = regularity(s.surface.as_ref(), &JumpOptions::default());
             step();
@@ -213,13 +229,17 @@ impl<'a> Findings<'a> {
         let regular = regular.collect();
         let unit = model.units.symbol();
         let passing = Passing::of(&named, tolerance, unit);
+        let in_part = Partial::of(model, &met, tolerance);
+        let stretches = in_part.measured();
         progress.finish();
         Findings {
             unit,
             declared,
             shared,
             open,
-            in_part: Partial::of(model, &met, tolerance),
+            in_part,
+            stretches,
+            tolerance,
             surfaces: regular,
             passing,
         }
@@ -247,8 +267,14 @@ impl<'a> Findings<'a> {
         if !self.shared.is_empty() {
             parts.push(format!("Shared sides\n\n{}", self.shared_table()));
         }
+        if !self.stretches.is_empty() {
+            parts.push(format!(
+                "Sides that meet in part\n\n{}",
+                self.stretch_table()
+            ));
+        }
         if !self.open.is_empty() {
-            parts.push(format!("Open sides: {}", self.open.join(", ")));
+            parts.push(format!("Open sides: {}", self.open_sides().join(", ")));
         }
         if !self.surfaces.is_empty() {
             parts.push(format!("Surfaces\n\n{}", self.surface_table()));
@@ -345,6 +371,47 @@ impl<'a> Findings<'a> {
             table.row([s.verdict.mark().to_owned(), sides, gap, angle, jump, smooth]);
         }
         table
+    }
+
+    fn open_sides(&self) -> Vec<String> {
+        let name = |(i, side): &(usize, Side)| format!("{}.{side}", self.surfaces[*i].0.name);
+        self.open.iter().map(name).collect()
+    }
+
+    fn stretch_table(&self) -> Table {
+        let mut table = Table::headed([
+            "",
+            "sides",
+            "along the first",
+            "gap",
+            "angle",
+            "curvature jump",
+            "smoothness",
+        ]);
+        for s in &self.stretches {
+            let [gap, angle, jump, smooth] = match &s.joint {
+                None => ["", "", "", "not from end to end"].map(str::to_owned),
+                Some(j) => [
+                    self.length(&j.gap),
+                    degrees(&j.angle),
+                    plain(&j.curvature),
+                    if self.is_close(j) {
+                        smoothness(j)
+                    } else {
+                        "apart"
+                    }
+                    .to_owned(),
+                ],
+            };
+            let [sides, place] = self.in_part.place(s);
+            table.row(["•".to_owned(), sides, place, gap, angle, jump, smooth]);
+        }
+        table
+    }
+
+    /// Whether sides meet so closely that the mesh would join them if they had the same ends.
+    fn is_close(&self, j: &Continuity) -> bool {
+        Verdict::of(&j.gap, JOINED * self.tolerance).passes()
     }
 
     fn surface_table(&self) -> Table {
@@ -458,12 +525,28 @@ impl<'a> Findings<'a> {
             "angles": "radians",
             "checks": declared,
             "shared_sides": shared,
-            "open_sides": self.open,
-            "sides_in_part": self.in_part.json(),
+            "open_sides": self.open_sides(),
+            "sides_in_part": self.in_part.json(|k| self.stretches_json(k)),
             "surfaces": surfaces,
             "passing_through": self.passing.json(),
             "failures": self.failures(),
         })
+    }
+}
+
+impl Findings<'_> {
+    /// The stretches of a partial joint.
+    fn stretches_json(&self, of: usize) -> Value {
+        let range = |r: nappe::Interval| [r.lo, r.hi];
+        let one = |s: &Stretch| {
+            json!({
+                "along": range(s.ranges[0]),
+                "part": range(s.ranges[1]),
+                "found": s.joint.as_ref().map(joint_json),
+            })
+        };
+        let own = self.stretches.iter().filter(|s| s.of == of);
+        own.map(one).collect()
     }
 }
 
@@ -509,12 +592,47 @@ fn declared(check: &Check, tolerance: f64) -> Declared<'_> {
     }
 }
 
-/// How smoothly joined sides meet, by what is proven.
-fn smoothness(j: &Continuity) -> &'static str {
+/// How well two sides are joined.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reached {
+    /// Too far apart to be joined.
+    Apart,
+    /// Along a part of one of them only.
+    InPart,
+    /// At an angle.
+    Edge,
+    /// In their points; whether at an angle is not known.
+    Points,
+    /// With their tangent planes.
+    Tangents,
+    /// With their curvatures.
+    Curvatures,
+}
+
+impl Shared {
+    fn reached(&self) -> Reached {
+        match &self.joint {
+            Some(j) if self.verdict.passes() => reached(j),
+            _ => Reached::Apart,
+        }
+    }
+}
+
+/// How smoothly sides without a gap meet, by what is proven.
+fn reached(j: &Continuity) -> Reached {
     match j.proven(f64::INFINITY, SMOOTH_ANGLE, SAME_CURVATURE) {
-        Some(Smoothness::G2) => "G2",
-        Some(Smoothness::G1) => "G1",
-        Some(Smoothness::G0) if j.angle.within(SMOOTH_ANGLE) == Some(false) => "G0, an edge",
+        Some(Smoothness::G2) => Reached::Curvatures,
+        Some(Smoothness::G1) => Reached::Tangents,
+        Some(Smoothness::G0) if j.angle.within(SMOOTH_ANGLE) == Some(false) => Reached::Edge,
+        _ => Reached::Points,
+    }
+}
+
+fn smoothness(j: &Continuity) -> &'static str {
+    match reached(j) {
+        Reached::Curvatures => "G2",
+        Reached::Tangents => "G1",
+        Reached::Edge => "G0, an edge",
         _ => "G0",
     }
 }

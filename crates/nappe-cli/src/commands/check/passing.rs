@@ -41,6 +41,11 @@ impl Passing {
         self.all.found.iter().filter(open).count()
     }
 
+    /// The places that were found, with whether they are failures.
+    pub(super) fn found(&self) -> impl Iterator<Item = (&Overlap, bool)> {
+        self.all.found.iter().map(|o| (o, fails(o)))
+    }
+
     pub(super) fn text(&self) -> String {
         let pairs = self.names.len() * (self.names.len() + 1) / 2;
         let but = format!(
