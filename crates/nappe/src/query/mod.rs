@@ -17,4 +17,4 @@ mod within;
 
 pub use all::Locus;
 pub use nearest::{Finder, FinderOptions, Nearest, QueryError};
-pub use side::{Signed, SignedFinder};
+pub use side::{Sidedness, Signed, SignedFinder};
