@@ -157,7 +157,7 @@ impl<'a, R: BufRead> Rows<'a, R> {
             let is = |i| self.text(i).eq_ignore_ascii_case(name.as_bytes());
             (0..self.fields.len()).any(is)
         };
-        self.wanted.columns.iter().all(|name| named(name))
+        self.wanted.columns.iter().all(named)
     }
 
     fn take_header(&mut self, notes: &mut Notes) -> Result<(), Failure> {

@@ -611,23 +611,23 @@ fn wide_gaps_of_later_places_are_counted() {
     );
     let folder = Folder::with_model(&plate);
     let run = folder.nappe_with(
-        "project model.nappe.toml --all --tolerance 2.05e-6",
-        b"0.1,0,3.5\n0,0,3.5\n",
+        "project model.nappe.toml --all --tolerance 8e-7",
+        b"0,0,-3\n0,0,3.5\n",
     );
     let rows = table(&run);
     let of = |row: &std::collections::HashMap<String, String>| {
         (
-            row["px"].clone(),
+            row["pz"].clone(),
             row["surface"].clone(),
             row["status"].clone(),
         )
     };
     let found: Vec<_> = rows.iter().map(of).collect();
-    let row = |px: &str, surface: &str, status: &str| (px.into(), surface.into(), status.into());
+    let row = |pz: &str, surface: &str, status: &str| (pz.into(), surface.into(), status.into());
     let expected = [
-        row("0.1", "plate", "ok"),
-        row("0.0", "ball", "ok"),
-        row("0.0", "plate", "gap"),
+        row("-3.0", "ball", "ok"),
+        row("3.5", "ball", "ok"),
+        row("3.5", "plate", "gap"),
     ];
     assert_eq!(found, expected);
     assert!(
