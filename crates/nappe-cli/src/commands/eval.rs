@@ -22,8 +22,8 @@ use std::path::PathBuf;
 /// larger than the memory; one that comes through a pipe is kept in a temporary file.
 ///
 /// Text is comma-separated. With a header line the columns may stand in any order and others are passed over (a note
-/// says which); without one there are the parameters alone. Lines that begin with # and empty lines are skipped. At a
-/// break of a curve or surface the piece above it decides.
+/// says which); without one there are the parameters alone. Lines that begin with # (but for a header
+/// that names the columns) and empty lines are skipped. At a break of a curve or surface the piece above it decides.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:

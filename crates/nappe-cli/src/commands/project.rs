@@ -8,7 +8,7 @@ use crate::project::{self, Asked, Question, Tally};
 use crate::screen::Screen;
 use crate::table::{Input, OutputFormat};
 use crate::text::number;
-use nappe::query::{Finder, FinderOptions, QueryError, SignedFinder};
+use nappe::query::{Finder, FinderOptions, QueryError, Sidedness, SignedFinder};
 use nappe_model::Model;
 use std::io;
 use std::path::PathBuf;
@@ -21,16 +21,20 @@ use std::path::PathBuf;
 ///
 /// A row that has no answer is put out too, with empty fields. Its status says why: `unreadable` (not three numbers),
 /// `not finite`, or `no distance` (too far away to compute with). The first ten are told with their lines, and all are
-/// counted; the exit code is 0 all the same. The status of an answer whose gap is wider than --tolerance, as where a whole circle is about equally near, is `gap`, that of all
-/// others `ok`.
+/// counted; the exit code is 0 all the same. The status of an answer whose gap is wider than --tolerance, as where a whole
+/// circle is about equally near, is `gap`, that of all others `ok`.
 ///
 /// Of closed shells, --signed gives a negative distance inside; of open surfaces, behind the normal r_u × r_v. It is
-/// empty where no side is defined: beyond an open edge, on a surface, at an open surface's pole, and where surfaces disagree.
+/// empty where no side is defined: beyond an open edge, on a surface, at an open surface's pole, and where surfaces disagree. Of a closed shell it is also
+/// empty nearer than 1e-4 of the diagonal to an edge, a seam, a tip or a pole, where the places there disagree; and always
+/// where more than two sides meet or the inside is not certain. A note says which surfaces do not close shells.
 ///
-/// With --all there is a row for each of several nearest places, all within the tolerance. The box around each has the diagonal
+/// With --all there is a row for each of several nearest places, all within the tolerance; those with the status `gap` may be farther. The box around each has the diagonal
 /// `extent`, and its `locus` is a `point` or, where a curve or a whole surface is as near, `spread`.
 ///
-/// Tables are read and written as by `nappe eval`, may be larger than the memory, and are worked on by all cores.
+/// Tables are read and written as by `nappe eval`, may be larger than the memory, and are worked on by all cores. In text a
+/// field ends in the line where it begins. Lines that begin with # are skipped, but below a header whose first column is
+/// handed on they are rows.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -84,6 +88,9 @@ impl Args {
         let model = self.model.open(screen)?;
         let input = Input::named(self.points.as_deref(), project::wanted(), "")?;
         let question = self.question(&model)?;
+        if let Asked::Signed(finder) = &question.asked {
+            tell_sides(screen, &finder.sidedness());
+        }
         let progress = screen.progress("finding nearest points");
         let tally = match &self.output {
             None => {
@@ -143,6 +150,26 @@ fn refused(error: QueryError) -> Problem {
         ),
         _ => problem,
     }
+}
+
+/// Says what signs mean where it is not the inside of a shell.
+fn tell_sides(screen: &Screen, all: &[Sidedness]) {
+    let count = |which| all.iter().filter(|&&s| s == which).count();
+    let [closed, open, unknown] =
+        [Sidedness::Closed, Sidedness::Open, Sidedness::Unknown].map(count);
+    if closed == all.len() {
+        return;
+    }
+    let mut note = format!("{closed} of {} surfaces close shells", all.len());
+    if open > 0 {
+        note += &format!("; of {open} the sign is that of the normal r_u × r_v");
+    }
+    if unknown > 0 {
+        note += &format!(
+            "; {unknown} have no sign: more than two sides meet there, or the inside is not certain"
+        );
+    }
+    screen.note(note);
 }
 
 /// Says which rows have no answer, and which a wide gap.

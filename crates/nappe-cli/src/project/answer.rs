@@ -44,7 +44,8 @@ impl Status {
             Status::Wide(_) => "gap",
             Status::Unreadable => "unreadable",
             Status::Failed(QueryError::Point { .. }) => "not finite",
-            Status::Failed(_) => "no distance",
+            Status::Failed(QueryError::NoDistance { .. }) => "no distance",
+            Status::Failed(_) => "no answer",
         }
     }
 }

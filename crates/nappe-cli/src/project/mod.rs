@@ -52,8 +52,13 @@ pub(crate) fn run(
     if ahead {
         let mut source = input.rows(&mut Notes::new())?;
         let (mut block, mut problems) = (Block::default(), Problems::default());
-        while source.fill(&mut block, &mut problems)? {
+        let mut rows = 0;
+        while filled(source.as_mut(), &mut block, &mut problems)? {
+            rows += block.places.len();
             block.clear();
+        }
+        if rows == 0 {
+            return Err(no_points(input));
         }
     }
     let mut problems = Problems::default();
@@ -65,7 +70,7 @@ pub(crate) fn run(
     let mut block = Block::default();
     loop {
         block.clear();
-        if !source.fill(&mut block, &mut problems)? {
+        if !filled(source.as_mut(), &mut block, &mut problems)? {
             break;
         }
         let answers = question.answer(&block, others);
@@ -74,15 +79,28 @@ pub(crate) fn run(
         progress.tell(source.share());
     }
     if tally.rows == 0 {
-        return Err(
-            Problem::new(format!("{}: there are no points in it", input.name()))
-                .help("give a table with the columns x, y, z and at least one row")
-                .into(),
-        );
+        return Err(no_points(input));
     }
     sink.finish()?;
+    tally.notes.extend(source.notes());
     tally.problems = problems.list();
     Ok(tally)
+}
+
+/// The next block. Where reading stops, what was found before is told too.
+fn filled(
+    source: &mut dyn Source,
+    block: &mut Block,
+    problems: &mut Problems,
+) -> Result<bool, Failure> {
+    let filled = source.fill(block, problems);
+    filled.map_err(|stopped| std::mem::take(problems).before(stopped))
+}
+
+fn no_points(input: &Input) -> Failure {
+    Problem::new(format!("{}: there are no points in it", input.name()))
+        .help("give a table with the columns x, y, z and at least one row")
+        .into()
 }
 
 /// No two columns of the output may have one name.
@@ -109,19 +127,20 @@ fn count(
     problems: &mut Problems,
     tally: &mut Tally,
 ) {
-    let mut last = None;
+    let (mut last, mut last_wide) = (None, None);
     for answer in &answers.list {
+        // A row is wide if one of its places is.
+        if let Status::Wide(gap) = answer.status {
+            tally.widest = tally.widest.max(gap);
+            tally.wide += u64::from(last_wide.replace(answer.row) != Some(answer.row));
+        }
         if last == Some(answer.row) {
             continue;
         }
         last = Some(answer.row);
         tally.rows += 1;
         match &answer.status {
-            Status::Proven => {}
-            Status::Wide(gap) => {
-                tally.wide += 1;
-                tally.widest = tally.widest.max(*gap);
-            }
+            Status::Proven | Status::Wide(_) => {}
             Status::Unreadable => tally.unanswered += 1,
             Status::Failed(error) => {
                 tally.unanswered += 1;

@@ -12,10 +12,12 @@ const LONGEST_LINE: u64 = 1 << 20;
 const MOST_SHOWN: usize = 40;
 
 /// A table: comma-separated, with a header that names the columns in any order, or without one and with
-/// the wanted columns alone in their order. Empty lines and lines that begin with `#` are skipped.
+/// the wanted columns alone in their order. Empty lines and lines that begin with `#` are skipped, with two exceptions: one
+/// before the first row that names the wanted columns is the header, and after a header whose first column is handed on,
+/// what begins with `#` is a row.
 ///
 /// A field may stand in quotes, with quotes in it doubled; it ends in the line where it begins. So every row has one
-/// line, and every field a column, which messages name.
+/// line, and every field a column, which messages name. A field whose quotes do not end is an error of its row.
 pub(super) struct Rows<'a, R> {
     input: R,
     name: String,
@@ -31,8 +33,16 @@ pub(super) struct Rows<'a, R> {
     line: Vec<u8>,
     number: u64,
     fields: Vec<Range<usize>>,
+    /// Where the field begins whose quotes do not end.
+    unclosed: Option<usize>,
     /// True if the line holds a row that was read but not given out.
     pending: bool,
+    /// True once the header or the first row was taken.
+    begun: bool,
+    /// True if the line begins with `#`.
+    marked: bool,
+    /// The first line with a text to hand on that is not UTF-8.
+    foreign: Option<u64>,
     /// The bytes in all, and those that were read.
     size: u64,
     done: u64,
@@ -59,15 +69,27 @@ impl<'a, R: BufRead> Rows<'a, R> {
             line: Vec::new(),
             number: 0,
             fields: Vec::new(),
+            unclosed: None,
             pending: false,
+            begun: false,
+            marked: false,
+            foreign: None,
             size,
             done: 0,
         };
         rows.pending = rows.read()?;
+        rows.begun = true;
         if rows.pending && (0..rows.fields.len()).all(|i| rows.value(i).is_none()) {
+            let marked = rows.marked;
             rows.take_header(notes)?;
-            rows.pending = false;
-        } else if rows.pending && wanted.others && rows.fields.len() != width {
+            // Below a mark the header may come once more.
+            rows.pending = marked && rows.read()?;
+            if rows.pending && rows.names_all() {
+                rows.take_header(notes)?;
+                rows.pending = false;
+            }
+        }
+        if rows.pending && wanted.others && rows.fields.len() != rows.width {
             // Every row would be wrong.
             return Err(rows.wrong_count().into());
         }
@@ -109,21 +131,45 @@ impl<'a, R: BufRead> Rows<'a, R> {
                 0
             };
             let start = mark + blanks(&self.line[mark..]);
-            if start < self.line.len() && self.line[start] != b'#' {
-                self.fields.clear();
-                split(&self.line, mark, &mut self.fields);
+            if start == self.line.len() {
+                continue;
+            }
+            self.marked = self.line[start] == b'#';
+            if self.marked && self.begun && !self.others.contains(&0) {
+                continue;
+            }
+            let from = if self.marked && !self.begun {
+                start + 1
+            } else {
+                mark
+            };
+            self.fields.clear();
+            self.unclosed = split(&self.line, from, &mut self.fields);
+            if !self.marked || self.begun || self.names_all() {
                 return Ok(true);
             }
         }
     }
 
+    /// True if the fields name all wanted columns.
+    fn names_all(&self) -> bool {
+        let named = |name: &&str| {
+            let is = |i| self.text(i).eq_ignore_ascii_case(name.as_bytes());
+            (0..self.fields.len()).any(is)
+        };
+        self.wanted.columns.iter().all(named)
+    }
+
     fn take_header(&mut self, notes: &mut Notes) -> Result<(), Failure> {
-        let text = |f: &Range<usize>| String::from_utf8_lossy(&self.line[f.clone()]).into_owned();
-        let columns: Vec<String> = self.fields.iter().map(text).collect();
+        if self.unclosed.is_some() {
+            return Err(self.no_end().into());
+        }
+        let columns: Vec<String> = (0..self.fields.len()).map(|i| self.meaning(i)).collect();
         let place = self.name(self.number, None);
         let [at, others] = super::find_columns(&columns, self.wanted, &place)?;
         if self.wanted.others {
             self.other_names = others.iter().map(|&i| columns[i].clone()).collect();
+            self.note_foreign(&others);
             self.others = others;
         } else {
             super::unused(&columns, &others, &place, notes);
@@ -158,23 +204,34 @@ impl<'a, R: BufRead> Rows<'a, R> {
         std::str::from_utf8(self.text(field)).ok()?.parse().ok()
     }
 
+    /// Remembers the line if one of these fields is not UTF-8.
+    fn note_foreign(&mut self, fields: &[usize]) {
+        let is_foreign = |&at: &usize| std::str::from_utf8(self.text(at)).is_err();
+        if self.foreign.is_none() && fields.iter().any(is_foreign) {
+            self.foreign = Some(self.number);
+        }
+    }
+
     /// The column of a field in its line, in characters from 1.
     fn column(&self, field: usize) -> usize {
+        self.column_at(self.fields[field].start)
+    }
+
+    /// The same of a byte.
+    fn column_at(&self, byte: usize) -> usize {
         // Of the bytes of a character only the first counts.
         let first = |b: &&u8| **b & 0xc0 != 0x80;
-        self.line[..self.fields[field].start]
-            .iter()
-            .filter(first)
-            .count()
-            + 1
+        self.line[..byte].iter().filter(first).count() + 1
     }
 
     /// Appends the row that was read, and says what is wrong with it.
     fn take_row(&self, block: &mut Block, problems: &mut Problems) {
         let line = self.number;
-        let whole = self.fields.len() == self.width;
+        let whole = self.fields.len() == self.width && self.unclosed.is_none();
         let mut good = whole;
-        if !whole {
+        if self.unclosed.is_some() {
+            problems.push(line, || self.no_end());
+        } else if !whole {
             problems.push(line, || self.wrong_count());
         }
         for (k, &at) in self.at.iter().enumerate() {
@@ -194,6 +251,15 @@ impl<'a, R: BufRead> Rows<'a, R> {
         for &at in &self.others {
             block.others.push(&self.meaning(at));
         }
+    }
+
+    fn no_end(&self) -> Problem {
+        let column = self.unclosed.map(|at| self.column_at(at));
+        Problem::new(format!(
+            "{}: the quote that begins here does not end in this line",
+            self.name(self.number, column)
+        ))
+        .help("a field ends in the line where it begins: take line breaks out, and double quotes that stand in it")
     }
 
     fn wrong_count(&self) -> Problem {
@@ -240,8 +306,8 @@ fn blanks(line: &[u8]) -> usize {
     line.iter().take_while(|b| b.is_ascii_whitespace()).count()
 }
 
-/// The fields of a line from a byte on.
-fn split(line: &[u8], mut from: usize, fields: &mut Vec<Range<usize>>) {
+/// The fields of a line from a byte on, and where the last begins if it is in quotes that do not end.
+fn split(line: &[u8], mut from: usize, fields: &mut Vec<Range<usize>>) -> Option<usize> {
     loop {
         let start = from + blanks(&line[from..]);
         let mut end = start;
@@ -262,7 +328,7 @@ fn split(line: &[u8], mut from: usize, fields: &mut Vec<Range<usize>>) {
             start..start + text.len()
         });
         if end == line.len() {
-            return;
+            return inside.then_some(start);
         }
         from = end + 1;
     }
@@ -275,6 +341,11 @@ impl<R: BufRead> Source for Rows<'_, R> {
                 return Ok(i > 0);
             }
             self.take_row(block, problems);
+            if self.foreign.is_none() && !self.line.is_ascii() {
+                let others = std::mem::take(&mut self.others);
+                self.note_foreign(&others);
+                self.others = others;
+            }
         }
         Ok(true)
     }
@@ -288,6 +359,16 @@ impl<R: BufRead> Source for Rows<'_, R> {
         &self.other_names
     }
 
+    fn notes(&self) -> Notes {
+        let note = |line| {
+            format!(
+                "{}: text that is not UTF-8: what could not be read was put out as \u{fffd}",
+                self.name(line, None)
+            )
+        };
+        self.foreign.map(note).into_iter().collect()
+    }
+
     fn share(&self) -> f64 {
         self.done as f64 / self.size.max(1) as f64
     }
@@ -299,7 +380,8 @@ mod tests {
 
     fn fields(line: &str) -> Vec<&str> {
         let mut found = Vec::new();
-        split(line.as_bytes(), 0, &mut found);
+        let unclosed = split(line.as_bytes(), 0, &mut found);
+        assert_eq!(unclosed.is_some(), line.contains("open"));
         found.into_iter().map(|f| &line[f]).collect()
     }
 

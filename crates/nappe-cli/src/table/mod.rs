@@ -96,6 +96,11 @@ pub(crate) trait Source {
         &[]
     }
 
+    /// What is to be told once all is read.
+    fn notes(&self) -> Notes {
+        Notes::new()
+    }
+
     /// The share that was read.
     fn share(&self) -> f64 {
         0.0

@@ -132,6 +132,17 @@ impl<'a> Rows<'a> {
     /// Goes on to the next group of rows. False at the end.
     fn next_group(&mut self) -> Result<bool, Failure> {
         if self.group == self.reader.num_row_groups() {
+            // A group that ends early gives less than the file says it holds.
+            let groups = self.reader.metadata().row_groups().iter();
+            let rows: i64 = groups.map(|g| g.num_rows()).sum();
+            if i64::try_from(self.done).ok() != Some(rows) {
+                return Err(Problem::new(format!(
+                    "{}: {} of {rows} rows could be read: the file is damaged",
+                    self.name, self.done
+                ))
+                .help("write the file anew")
+                .into());
+            }
             return Ok(false);
         }
         let opened = self.reader.get_row_group(self.group).and_then(|group| {

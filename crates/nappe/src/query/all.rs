@@ -1,7 +1,7 @@
 //! All nearest points.
 
 use super::nearest::{Finder, Nearest, QueryError, check_tolerance};
-use super::part::{Hull, Place, length};
+use super::part::{EXACTNESS, Hull, Place, length};
 use super::within::{Effort, Within, within};
 use crate::box3::Box3;
 use crate::mesh::Certainty;
@@ -17,7 +17,7 @@ pub struct Locus {
     pub hull: Box3,
     /// True if they are one place, as far as the tolerance can tell: the distance is convex over the parts they are in, and
     /// the minima of these are no farther apart than the foot of a perpendicular is from places whose distances are equal
-    /// within the tolerance; or else the whole box is not much wider than that. False if they may be a curve (a point on
+    /// within the tolerance, or within rounding errors where these are more; or else the whole box is not much wider than that. False if they may be a curve (a point on
     /// the axis of a torus), a whole surface (the middle of a sphere), or several places that are connected within the
     /// tolerance.
     pub isolated: bool,
@@ -51,10 +51,13 @@ impl Finder {
         check_tolerance(tol)?;
         let best = self.nearest(p)?;
         let reach = self.reach(p, &best) + tol;
-        // Within a plane, this far from the foot of a perpendicular, distances are longer by the tolerance.
-        let foot = (tol * (2.0 * best.distance + tol)).sqrt();
+        // Within a plane, this far from the foot of a perpendicular, distances are longer by that much.
+        let foot = |longer: f64| (longer * (2.0 * best.distance + longer)).sqrt();
+        let rounding = EXACTNESS * best.point.abs().max(p.abs()).max_element();
+        // The distance of a minimum that was found may be longer by twice the rounding, on both sides of the true one.
+        let feet = [foot(tol), foot(tol).max(2.0 * foot(2.0 * rounding))];
         let effort = Effort {
-            size: 0.5 * foot,
+            size: 0.5 * feet[0],
             halvings: self.budget,
         };
         let mut found: Vec<(Hull, Within)> = within(self, p, reach, &effort)
@@ -66,10 +69,10 @@ impl Finder {
             lo: best.point,
             hi: best.point,
         };
-        found.push((hull, of_nearest(p, &best)));
+        found.push((hull, of_nearest(p, &best, rounding)));
         let mut loci: Vec<Locus> = groups(&found, tol)
             .into_iter()
-            .map(|group| locus(&found, &group, foot))
+            .map(|group| locus(&found, &group, feet))
             .collect();
         loci.sort_by(|a, b| a.nearest.distance.total_cmp(&b.nearest.distance));
         Ok(loci)
@@ -81,7 +84,8 @@ impl Finder {
     }
 }
 
-fn of_nearest(p: DVec3, best: &Nearest) -> Within {
+/// The error of the nearest place holds its rounding, no less than this, which is counted apart here.
+fn of_nearest(p: DVec3, best: &Nearest, rounding: f64) -> Within {
     Within {
         surface: best.surface as u32,
         uv: best.uv.map(crate::interval::Interval::point),
@@ -91,13 +95,14 @@ fn of_nearest(p: DVec3, best: &Nearest) -> Within {
             point: best.point,
             half_square: 0.5 * (best.point - p).length_squared(),
         },
-        lower: best.distance - best.certainty.error(),
-        rounding: 0.0,
+        lower: best.distance - best.certainty.error() + rounding,
+        rounding,
         convex: true,
     }
 }
 
-fn locus(found: &[(Hull, Within)], group: &[usize], foot: f64) -> Locus {
+/// A group as a locus, with how wide one place may be where the distance is not convex, and where it is.
+fn locus(found: &[(Hull, Within)], group: &[usize], feet: [f64; 2]) -> Locus {
     let of = |k: &usize| &found[*k];
     let hull = group.iter().map(|k| of(k).0).reduce(Hull::join);
     let hull = hull.unwrap_or(found[group[0]].0);
@@ -116,9 +121,9 @@ fn locus(found: &[(Hull, Within)], group: &[usize], foot: f64) -> Locus {
     };
     let width = |h: Hull| (h.hi - h.lo).length();
     let isolated = if all().all(|w| w.convex) {
-        minima().reduce(Hull::join).map_or(0.0, width) <= foot
+        minima().reduce(Hull::join).map_or(0.0, width) <= feet[1]
     } else {
-        width(hull) <= FOOT * foot
+        width(hull) <= FOOT * feet[0]
     };
     Locus {
         nearest: Nearest {
@@ -135,14 +140,17 @@ fn locus(found: &[(Hull, Within)], group: &[usize], foot: f64) -> Locus {
 
 /// Those whose boxes come within `tol` of each other, directly or by others in between.
 fn groups(found: &[(Hull, Within)], tol: f64) -> Vec<Vec<usize>> {
+    // Along the longest side fewest are abreast.
+    let all = found.iter().map(|f| f.0).reduce(Hull::join);
+    let axis = all.map_or(0, |h| (h.hi - h.lo).max_position());
     let mut order: Vec<usize> = (0..found.len()).collect();
-    order.sort_by(|&a, &b| found[a].0.lo.x.total_cmp(&found[b].0.lo.x));
+    order.sort_by(|&a, &b| found[a].0.lo[axis].total_cmp(&found[b].0.lo[axis]));
     let mut leader: Vec<usize> = (0..found.len()).collect();
-    // Those that began along x and have not ended yet.
+    // Those that began along it and have not ended yet.
     let mut open: Vec<usize> = Vec::new();
     for &k in &order {
         let hull = found[k].0;
-        open.retain(|&o| found[o].0.hi.x + tol >= hull.lo.x);
+        open.retain(|&o| found[o].0.hi[axis] + tol >= hull.lo[axis]);
         for &o in &open {
             let other = found[o].0;
             let apart = (hull.lo - other.hi).max(other.lo - hull.hi).max_element();

@@ -40,5 +40,5 @@ pub use intersect::{CurveSurface, CurveSurfacePoint, intersect};
 pub use meet::{MeetOptions, MeetPoint, Meets, meet};
 pub use nearest::{Finder, FinderOptions, Nearest, QueryError};
 pub use path::Path;
-pub use side::{Signed, SignedFinder};
+pub use side::{Sidedness, Signed, SignedFinder};
 pub use trace::{Branch, BranchEnd, Trace, TraceError, TraceOptions, Undecided, trace};

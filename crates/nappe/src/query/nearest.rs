@@ -20,7 +20,7 @@ const ABOVE_ROUNDING: f64 = 4.0;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FinderOptions {
     /// The error of distances to search for, in the surfaces' unit of length. `None`: a billionth of the diagonal of the box
-    /// around them. What rounding leaves is not asked for.
+    /// around them, or around the parts of them that have one. What rounding leaves is not asked for.
     pub tol: Option<f64>,
     /// How many parts are halved for one point beyond what is prepared. Where many points are about equally near (the
     /// middle of a sphere), they may not suffice: then the certainty says what was reached.
@@ -135,7 +135,10 @@ impl Finder {
         let threads = options.threads.unwrap_or_else(parallel::all_threads);
         let tree = Tree::new(&shapes, threads);
         Ok(Self {
-            tol: options.tol.unwrap_or(DEFAULT_TOL * tree.diagonal),
+            // What is one point has no diagonal.
+            tol: options
+                .tol
+                .unwrap_or((DEFAULT_TOL * tree.diagonal).max(f64::MIN_POSITIVE)),
             shapes,
             tree,
             budget: options.budget,

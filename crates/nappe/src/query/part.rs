@@ -339,20 +339,29 @@ impl Part {
         reach: f64,
     ) -> Option<[Interval; 2]> {
         let local = self.tangents(shape, p, at);
-        let lower = self.distance(self.least(&local, at), p).max(0.0);
+        let least = self.least(&local, at);
+        let lower = self.distance(least, p).max(0.0);
         if lower > reach {
             return None;
         }
         let e = self.centre - p;
-        // `½ lower² + ½ μ |s|² ≤ ½ reach²`, and `s = (along du + shear dv, across dv)`.
-        let square = (reach - lower) * (reach + lower) / self.curvature(e, e.length());
+        // `½ lower² + ½ μ |s|² ≤ ½ reach²`, with the least value itself instead of `½ lower²` where it is negative, and
+        // `s = (along du + shear dv, across dv)`.
+        let below = if least < 0.0 {
+            let rounding = self.rounding(p);
+            -2.0 * least + rounding * (2.0 * reach + rounding)
+        } else {
+            0.0
+        };
+        let square = ((reach - lower) * (reach + lower) + below) / self.curvature(e, e.length());
         let radius = square.sqrt() * (1.0 + 1e-12);
         let half = self.uv.map(half_width);
         let [a, b] = [0, 1].map(|d| self.first[d] / half[d]);
         let along = a.length();
         let shear = b.dot(a) / along;
         let across = (b - a * (shear / along)).length();
-        let dv = radius / across;
+        // Of tangents at a small angle most cancels.
+        let dv = radius / across * (1.0 + 1e-12 * b.length() / across);
         let du = (radius + shear.abs() * dv) / along;
         let steps = if self.uv[1].is_point() {
             [radius / along, 0.0]

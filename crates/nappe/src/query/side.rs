@@ -4,7 +4,7 @@ use super::nearest::{Finder, FinderOptions, Nearest, QueryError};
 use super::within::{Effort, Within, within};
 use crate::box3::Box3;
 use crate::breaks::Breaks;
-use crate::measure::{IntegralOptions, shells};
+use crate::measure::{IntegralOptions, VolumeError, bodies, shells};
 use crate::mesh::joints;
 use crate::surface::{Dir, Side, SurfaceRef, in_parallel};
 use glam::DVec3;
@@ -22,8 +22,10 @@ pub struct Signed {
 /// Finds nearest points with signs.
 ///
 /// Surfaces that close a shell have an inside, wherever their own normals point; there the distance is negative. Of shells
-/// within each other, that of the nearest point counts. Other surfaces have the side of their normal `r_u × r_v`, where the
-/// distance is positive.
+/// within each other, that of the nearest point counts. Open surfaces have the side of their normal `r_u × r_v`, where the
+/// distance is positive; it may differ from face to face where they are joined with normals that disagree. There is no
+/// sign near surfaces that are closed without an inside that is known: where more than two sides meet, of one-sided ones,
+/// and where the sign of the volume is not above its error. [`SignedFinder::sidedness`] tells which is which.
 ///
 /// What is proven: of all places that may be the nearest, rounding included, the normals were enclosed together with the
 /// ways from there to the point, and all of these are on the same side. So there is no sign on the surface itself, and of
@@ -49,12 +51,41 @@ pub struct Signed {
 /// ```
 pub struct SignedFinder {
     finder: Finder,
-    /// For each surface its shell, and true if its normal points inwards; `None` if it is open.
-    shells: Vec<Option<(usize, bool)>>,
+    /// For each surface what its signs are about.
+    own: Vec<Own>,
     /// The sides of each that meet no other, and the parameters where it is torn.
     open: Vec<Vec<Side>>,
     tears: Vec<[Vec<f64>; 2]>,
     weld: f64,
+}
+
+/// What the signs near a surface are about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sidedness {
+    /// The inside of the shell that it closes, alone or with others.
+    Closed,
+    /// The side of its normal.
+    Open,
+    /// It is closed, but its inside is not known: there are no signs.
+    Unknown,
+}
+
+/// What the signs near a surface are about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Own {
+    /// The shell of this number; true if the normal points into it.
+    Shell(usize, bool),
+    Open,
+    Unknown,
+}
+
+impl Own {
+    fn shell(self) -> Option<usize> {
+        match self {
+            Own::Shell(number, _) => Some(number),
+            Own::Open | Own::Unknown => None,
+        }
+    }
 }
 
 /// The distance within which sides are joined, as a share of the diagonal.
@@ -92,19 +123,40 @@ impl SignedFinder {
     pub fn new(surfaces: &[SurfaceRef], options: FinderOptions) -> Result<Self, QueryError> {
         let finder = Finder::new(surfaces, options)?;
         let weld = WELD * finder.tree.diagonal;
-        let mut own = vec![None; surfaces.len()];
-        let closed = shells(surfaces, Some(weld), &VOLUME).into_iter().flatten();
-        // Without a sign of its volume a shell is treated as if it were open.
-        let sure = closed.filter(|s| s.volume.value > s.volume.certainty.error());
-        for (number, shell) in sure.enumerate() {
-            for (surface, turned) in shell.surfaces {
-                own[surface] = Some((number, turned));
+        let joined = joints(surfaces, weld);
+        let mut neighbours = vec![Vec::new(); surfaces.len()];
+        for j in &joined.joints {
+            let (a, b) = (j.first.0, j.second.0);
+            neighbours[a].push((b, j.is_turned()));
+            neighbours[b].push((a, j.is_turned()));
+        }
+        let mut own = vec![Own::Open; surfaces.len()];
+        // Both are in the same order.
+        let found = shells(surfaces, Some(weld), &VOLUME);
+        for (number, (body, shell)) in bodies(&neighbours).into_iter().zip(found).enumerate() {
+            match shell {
+                Ok(shell) => {
+                    let sure = shell.volume.value > shell.volume.certainty.error();
+                    for (surface, turned) in shell.surfaces {
+                        own[surface] = if sure {
+                            Own::Shell(number, turned)
+                        } else {
+                            Own::Unknown
+                        };
+                    }
+                }
+                Err(VolumeError::Branched { .. } | VolumeError::OneSided { .. }) => {
+                    for (surface, _) in body.parts {
+                        own[surface] = Own::Unknown;
+                    }
+                }
+                Err(_) => {}
             }
         }
         Ok(Self {
             finder,
-            shells: own,
-            open: joints(surfaces, weld).open,
+            own,
+            open: joined.open,
             tears: surfaces
                 .iter()
                 .map(|s| [Dir::U, Dir::V].map(|dir| s.breaks(dir).below(0)))
@@ -113,13 +165,23 @@ impl SignedFinder {
         })
     }
 
+    /// What the signs near each surface are about.
+    pub fn sidedness(&self) -> Vec<Sidedness> {
+        let of = |own: &Own| match own {
+            Own::Shell(..) => Sidedness::Closed,
+            Own::Open => Sidedness::Open,
+            Own::Unknown => Sidedness::Unknown,
+        };
+        self.own.iter().map(of).collect()
+    }
+
     /// The finder of points alone.
     pub fn finder(&self) -> &Finder {
         &self.finder
     }
 
-    /// The nearest point, and its distance with a sign. Errors: as [`Finder::nearest`]. Cost: some times that of it, some
-    /// tens of times where a sign must be taken from elsewhere.
+    /// The nearest point, and its distance with a sign. Errors: as [`Finder::nearest`]. Cost: some times that of it;
+    /// where a sign must be taken from elsewhere tens of times, and hundreds of times where no such place is found soon.
     pub fn nearest(&self, p: DVec3) -> Result<Signed, QueryError> {
         let nearest = self.finder.nearest(p)?;
         let outside = match self.opinion(p, &nearest) {
@@ -157,7 +219,7 @@ impl SignedFinder {
         if places.iter().any(|w| self.sides(w).next().is_some()) {
             places = within(&self.finder, p, reach + APART * self.weld, &EFFORT);
         }
-        let shell = |w: &Within| self.shells[w.surface as usize].map(|s| s.0);
+        let shell = |w: &Within| self.own[w.surface as usize].shell();
         let first = places.first().and_then(shell);
         let same = first.filter(|_| places.iter().all(|w| shell(w) == first));
         let mut sides = places.iter().map(|w| self.side(p, w));
@@ -188,7 +250,7 @@ impl SignedFinder {
     fn side(&self, p: DVec3, w: &Within) -> Option<bool> {
         let surface = w.surface as usize;
         let shape = &self.finder.shapes[surface];
-        if !w.convex {
+        if !w.convex || self.own[surface] == Own::Unknown {
             return None;
         }
         let torn = |d: usize| self.tears[surface][d].iter().any(|&t| w.uv[d].contains(t));
@@ -198,7 +260,7 @@ impl SignedFinder {
         let jet = shape.enclose(w.uv, 1);
         let way = Box3::point(p) - jet[0];
         let height = way.dot(jet[1].cross(jet[2]));
-        let turned = self.shells[surface].is_some_and(|s| s.1);
+        let turned = matches!(self.own[surface], Own::Shell(_, true));
         if height.lo > 0.0 {
             Some(!turned)
         } else if height.hi < 0.0 {
@@ -235,7 +297,7 @@ impl SignedFinder {
         for _ in 0..HOPS {
             let room = self.room(&there)?;
             if let Opinion::Agreed(outside) = self.opinion(q, &there)
-                && self.shells[there.surface].is_some_and(|s| s.0 == shell)
+                && self.own[there.surface].shell() == Some(shell)
             {
                 return Some(outside);
             }

@@ -27,7 +27,7 @@ pub(super) struct Node {
 pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) parts: Vec<Part>,
-    /// That of the box around all surfaces that have one.
+    /// That of the box around all surfaces; where no box encloses them, that around the parts that have one.
     pub(super) diagonal: f64,
 }
 
@@ -38,9 +38,9 @@ impl Tree {
             .enumerate()
             .flat_map(|(k, shape)| shape.pieces().into_iter().map(move |uv| (k as u32, uv)))
             .collect();
-        let bounds = shapes.iter().map(Shape::bounds);
-        let around = bounds.filter(|b| b.is_finite()).reduce(Box3::hull);
-        let diagonal = around.map_or(0.0, Box3::diagonal);
+        let bounds: Vec<Box3> = shapes.iter().map(Shape::bounds).collect();
+        let bounded = bounds.iter().copied().filter(|b| b.is_finite());
+        let diagonal = bounded.reduce(Box3::hull).map_or(0.0, Box3::diagonal);
         let of = |k: usize| {
             let (surface, uv) = pieces[k];
             Divided::new(shapes, Part::new(shapes, surface, uv), diagonal)
@@ -59,7 +59,21 @@ impl Tree {
             });
             tree.branch(0, pieces);
         }
+        if !bounds.iter().all(|b| b.is_finite()) {
+            tree.diagonal = tree.extent();
+        }
         tree
+    }
+
+    /// The diagonal of the box around all parts, or else around those whose own box is finite.
+    fn extent(&self) -> f64 {
+        let boxes = |k: usize| self.nodes[k].hull.to_box();
+        let whole = (!self.nodes.is_empty()).then(|| boxes(0));
+        let lowest = (0..self.nodes.len()).filter(|&k| self.nodes[k].below.is_none());
+        let finite = lowest.map(boxes).filter(|b| b.is_finite());
+        let around = whole.filter(|b| b.is_finite());
+        let around = around.or_else(|| finite.reduce(Box3::hull));
+        around.map_or(0.0, Box3::diagonal)
     }
 
     /// The rounding errors of all points, and of the ways to a point.

@@ -176,3 +176,29 @@ fn bad_requests_are_refused() {
     let on = finder.all_nearest(DVec3::new(0.5, 0.5, 0.0), 1e-6).unwrap();
     assert!(on.len() == 1 && on[0].isolated);
 }
+
+/// From far away minima are found as well as rounding allows, here on both sides of the side that two faces share.
+#[test]
+fn one_place_is_one_from_far_away() {
+    let half = |x: f64| {
+        let corner = |x, y| DVec3::new(x, y, 0.0);
+        flat([
+            [corner(x, -1.0), corner(x, 1.0)],
+            [corner(x + 1.0, -1.0), corner(x + 1.0, 1.0)],
+        ])
+    };
+    let finder = finder(&[half(-1.0), half(0.0)], 1e-9);
+    for height in [1e-3, 1.0, 1e3, 1e6, 1e7, 1e8, 1e9] {
+        let loci = finder
+            .all_nearest(DVec3::new(0.0, 0.3, height), 1e-9)
+            .unwrap();
+        assert!(loci.len() == 1 && loci[0].isolated, "{height:e}: {loci:#?}");
+        assert!(loci[0].hull.inflate(1e-9).contains(DVec3::Y * 0.3));
+    }
+    // The axis of a torus sees a circle, while its width can be told from afar.
+    let ring = Finder::new(&[torus()], FinderOptions::default()).unwrap();
+    for height in [1e3, 1e6] {
+        let loci = ring.all_nearest(DVec3::Z * height, 1e-9).unwrap();
+        assert!(!loci[0].isolated, "{height:e}: {loci:#?}");
+    }
+}

@@ -2,8 +2,9 @@
 
 use crate::within;
 use nappe::DVec3;
-use nappe::curve::{CurveRef, Ellipse, Line, Spacing, polyline};
+use nappe::curve::{CurveRef, Ellipse, ExpressionCurve, Line, Spacing, polyline};
 use nappe::exact::NurbsCurve;
+use nappe::expr::Expr;
 use nappe::laws::Random;
 use nappe::query::{Finder, FinderOptions, QueryError};
 use std::sync::Arc;
@@ -114,4 +115,27 @@ fn all_nearest_points_of_curves() {
         .unwrap();
     assert!(loci.len() == 1 && !loci[0].isolated, "{loci:?}");
     assert!(loci[0].hull.diagonal() > 5.6);
+}
+
+/// The enclosure of the whole denominator contains 0, though the curve is finite: no box around it is known beforehand.
+#[test]
+fn the_tolerance_needs_no_box_around_the_whole() {
+    let of = |text: &str| Expr::parse(text).unwrap().bind(&["t"], &[]).unwrap();
+    let all = [of("1/(t*t - t + 0.3)"), of("t"), of("0")];
+    let hump: CurveRef = Arc::new(ExpressionCurve::new(all, [0.0, 1.0]).unwrap());
+    let tiny: CurveRef = Arc::new(Line::new(DVec3::ZERO, DVec3::X * 1e-9).unwrap());
+    // From (10/3, 0) to (20, 1/2) and to (10/3, 1).
+    for curves in [vec![hump.clone()], vec![tiny, hump.clone()]] {
+        let finder = Finder::on_curves(&curves, FinderOptions::default()).unwrap();
+        assert!(
+            finder.tol() > 1e-8 && finder.tol() < 1e-6,
+            "{}",
+            finder.tol()
+        );
+        let p = DVec3::new(25.0, 0.5, 0.0);
+        let found = finder.nearest(p).unwrap();
+        assert!((found.distance - 5.0).abs() < 1e-6 && found.certainty.error() <= finder.tol());
+        let loci = finder.all_nearest(p, finder.tol()).unwrap();
+        assert!(loci.len() == 1 && loci[0].isolated, "{loci:?}");
+    }
 }

@@ -4,7 +4,7 @@ use crate::{cube, flat, rough, sphere, torus, within};
 use nappe::curve::{CurveRef, ExpressionCurve, Spacing, polyline};
 use nappe::expr::Expr;
 use nappe::laws::Random;
-use nappe::query::{FinderOptions, SignedFinder};
+use nappe::query::{FinderOptions, Sidedness, SignedFinder};
 use nappe::surface::{
     Quadric, QuadricOptions, QuadricShape, Revolution, RevolutionOptions, SurfaceRef, Swapped,
     Transformed, ruled,
@@ -333,4 +333,34 @@ fn scale_and_place_change_no_sign_and_batches_are_the_same() {
             );
         }
     }
+}
+
+/// Two cubes that share an edge, where four faces meet, a sphere beside them, and a plate.
+#[test]
+fn what_branches_has_no_signs_and_says_so() {
+    let moved = |s: SurfaceRef, by: DVec3| -> SurfaceRef {
+        Arc::new(Transformed::new(s, DAffine3::from_translation(by)).unwrap())
+    };
+    let mut all = cube();
+    let second = cube()
+        .into_iter()
+        .map(|s| moved(s, DVec3::new(2.0, 2.0, 0.0)));
+    all.extend(second);
+    all.push(moved(sphere(1.0), DVec3::X * 8.0));
+    all.push(flat([
+        [DVec3::Z * 8.0, DVec3::new(0.0, 1.0, 8.0)],
+        [DVec3::new(1.0, 0.0, 8.0), DVec3::new(1.0, 1.0, 8.0)],
+    ]));
+    let finder = signed(&all);
+    let mut told = vec![Sidedness::Unknown; 12];
+    told.extend([Sidedness::Closed, Sidedness::Open]);
+    assert_eq!(finder.sidedness(), told);
+    let at = |p: DVec3| finder.nearest(p).unwrap().distance;
+    for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
+        for p in [axis * 0.8, axis * -0.8, axis * 1.2, axis * -1.2] {
+            assert_eq!((at(p), at(p + DVec3::new(2.0, 2.0, 0.0))), (None, None));
+        }
+    }
+    assert!((at(DVec3::X * 7.5).unwrap() + 0.5).abs() < 1e-7);
+    assert!((at(DVec3::new(0.5, 0.5, 8.5)).unwrap() - 0.5).abs() < 1e-7);
 }
