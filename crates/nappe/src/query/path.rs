@@ -290,8 +290,8 @@ fn cuts(b: &Cubic, surface: &SurfaceRef) -> Vec<(f64, i32)> {
     found
 }
 
-/// The parameters where a coordinate of a cubic has a value: between its extremes there is one at most.
-fn crossings(b: &Cubic, d: usize, at: f64) -> Vec<f64> {
+/// The ends of a cubic and the parameters between them where a coordinate has an extreme, increasing.
+fn extremes(b: &Cubic, d: usize) -> Vec<f64> {
     // The derivative is a (1-s)² + 2 m s (1-s) + c s², up to a factor.
     let [a, m, c] = [0, 1, 2].map(|i| b[i + 1][d] - b[i][d]);
     let root = (m * m - a * c).max(0.0).sqrt();
@@ -303,6 +303,18 @@ fn crossings(b: &Cubic, d: usize, at: f64) -> Vec<f64> {
         .collect();
     ends.extend([0.0, 1.0]);
     ends.sort_by(f64::total_cmp);
+    ends
+}
+
+/// The least value of a coordinate on a cubic.
+pub(super) fn least(b: &Cubic, d: usize) -> f64 {
+    let all = extremes(b, d).into_iter().map(|s| value(b, s)[d]);
+    all.fold(f64::INFINITY, f64::min)
+}
+
+/// The parameters where a coordinate of a cubic has a value: between its extremes there is one at most.
+fn crossings(b: &Cubic, d: usize, at: f64) -> Vec<f64> {
+    let ends = extremes(b, d);
     let side = |s: f64| value(b, s)[d] - at;
     ends.windows(2)
         .filter_map(|w| {

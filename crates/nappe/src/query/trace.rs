@@ -4,7 +4,7 @@ use super::cells::{Cells, CellsError, divide, rectangles};
 use super::chains::{Chain, chains, clusters, touch};
 use super::extended::{Extended, MARGIN};
 use super::field::Field;
-use super::path::{Part, Path};
+use super::path::{Part, Path, least};
 use super::seams::{Strand, bounds, joined};
 use super::tube::{Tube, displacement};
 use crate::box3::Box3;
@@ -168,7 +168,7 @@ impl fmt::Display for Undecided {
 /// All zeros of a function in a rectangle.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
-    /// The curves, by the least u of each, then the least v.
+    /// The curves, by the least u of each; where these are the same within some millionths of the width, by the least v.
     pub branches: Vec<Branch>,
     /// What is not decided.
     pub undecided: Vec<Undecided>,
@@ -264,14 +264,20 @@ pub fn trace(f: &dyn Field, options: &TraceOptions) -> Result<Trace, TraceError>
     Ok(trace)
 }
 
-/// Branches by the least u of each; where these differ by no more than rounding, by the least v.
+/// Branches by the least u of each; where these differ by no more than the tolerance may do, by the least v.
 fn in_order(branches: Vec<Branch>, within: [Interval; 2]) -> Vec<Branch> {
     let mut all: Vec<([f64; 2], Branch)> = branches
         .into_iter()
-        .map(|b| (b.bounds().map(|t| t.lo), b))
+        .map(|b| {
+            let lowest = |d: usize| {
+                let each = b.parts.iter().map(|p| least(&p.points, d));
+                each.fold(f64::INFINITY, f64::min)
+            };
+            ([lowest(0), lowest(1)], b)
+        })
         .collect();
     all.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
-    let near = SAME * within[0].width();
+    let near = 4.0 * DEFAULT_TOL * within[0].width();
     for same in all.chunk_by_mut(|a, b| b.0[0] - a.0[0] <= near) {
         same.sort_by(|a, b| a.0[1].total_cmp(&b.0[1]));
     }
