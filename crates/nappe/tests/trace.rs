@@ -6,7 +6,7 @@ use nappe::expr::Expr;
 use nappe::laws::Random;
 use nappe::query::{
     BranchEnd, ExpressionField, Field, FieldJet, MeetOptions, Meets, Trace, TraceError,
-    TraceOptions, meet, trace,
+    TraceOptions, Undecided, meet, trace,
 };
 use nappe::{Certainty, Curve, Interval, Limit};
 use std::f64::consts::{PI, TAU};
