@@ -42,12 +42,28 @@ impl Builder<'_> {
                     .warning(),
             );
         }
-        let branch = self.branch(o, &found)?;
-        if let Certainty::Estimated(_) = branch.certainty {
-            let message = format!(
-                "{}: its distance from the exact curve is not bounded",
-                o.label
+        if found.undecided.len() > LISTED {
+            let more = found.undecided.len() - LISTED;
+            let message = format!("{}: {more} more places are not decided", o.label);
+            self.diags.push(
+                Diagnostic::new("not-proven", message)
+                    .at(o.fields.place("", &[]), o.kind.name)
+                    .help("move the curve a little to avoid such places")
+                    .warning(),
             );
+        }
+        let branch = self.branch(o, &found)?;
+        let far = match branch.certainty {
+            Certainty::Estimated(_) => Some("not bounded".to_owned()),
+            c if c.error() > found.tol => Some(format!(
+                "bounded by {} only, more than the tolerance {}",
+                significant(c.error(), 3),
+                significant(found.tol, 3)
+            )),
+            _ => None,
+        };
+        if let Some(far) = far {
+            let message = format!("{}: its distance from the exact curve is {far}", o.label);
             self.diags.push(
                 Diagnostic::new("not-proven", message)
                     .at(o.fields.place("", &[]), o.kind.name)

@@ -200,18 +200,20 @@ impl<S: Number> Series<S> {
         r
     }
 
-    /// `tan f`, from `(tan f)' = (1 + tan² f) f'`.
+    /// `tan f`, from `(tan f)' = (1 + tan² f) f' = f' / cos² f`.
     pub fn tan(&self) -> Self {
-        self.tangent(self.c[0].tan(), S::ONE)
+        // Over a pole that quotient is everything; 1 + tan² would be positive.
+        self.tangent(self.c[0].tan(), S::ONE, S::ONE / self.c[0].cos().sqr())
     }
 
     /// `tanh f`, from `(tanh f)' = (1 - tanh² f) f'`: no overflow, unlike the quotient of sinh and cosh.
     pub fn tanh(&self) -> Self {
-        self.tangent(self.c[0].tanh(), -S::ONE)
+        let value = self.c[0].tanh();
+        self.tangent(value, -S::ONE, S::ONE - value.sqr())
     }
 
-    /// The series y with the given value and `y' = (1 + sign y²) f'`.
-    fn tangent(&self, value: S, sign: S) -> Self {
+    /// The series y with the given value and `y' = (1 + sign y²) f'`, of which the value of the factor is given too.
+    fn tangent(&self, value: S, sign: S, slope: S) -> Self {
         let n = self.c.len();
         let mut c: SmallVec<S::Few> = SmallVec::with_capacity(n);
         c.push(value);
@@ -221,11 +223,7 @@ impl<S: Number> Series<S> {
                 // The coefficient of order k - j of 1 + sign y².
                 let m = k - j;
                 let y2 = (0..=m).fold(S::ZERO, |acc, i| acc + c[i] * c[m - i]);
-                let g = if m == 0 {
-                    S::ONE + sign * value.sqr()
-                } else {
-                    sign * y2
-                };
+                let g = if m == 0 { slope } else { sign * y2 };
                 sum = sum + S::from(j as f64) * self.c[j] * g;
             }
             c.push(sum / S::from(k as f64));

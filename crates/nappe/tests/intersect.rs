@@ -2,14 +2,15 @@
 
 #![allow(clippy::unwrap_used)]
 
-use nappe::curve::{Ellipse, EllipseOptions, Line};
+use nappe::curve::{Ellipse, EllipseOptions, ExpressionCurve, Line};
+use nappe::expr::Expr;
 use nappe::laws::Random;
 use nappe::measure::Implicit;
 use nappe::query::{
     CurveSurface, Figure, FigureError, SurfaceField, TraceOptions, intersect, trace,
 };
 use nappe::surface::{
-    Quadric, QuadricOptions, QuadricShape, SurfaceRef, Torus, TorusOptions, bilinear,
+    Dir, Quadric, QuadricOptions, QuadricShape, SurfaceRef, Torus, TorusOptions, bilinear, ruled,
 };
 use nappe::{Certainty, Curve, DVec3, Surface};
 use std::f64::consts::TAU;
@@ -195,6 +196,23 @@ fn surfaces_meet_spheres_cylinders_cones_and_tori() {
         },
     );
     hold(&t, &|p| (p - DVec3::new(0.3, -0.2, p.z)).length() - 0.7);
+    // A point of the axis that is far away says the same.
+    let axis = DVec3::new(1.0, 2.0, 3.0);
+    let far = DVec3::new(0.1, 0.2, -0.1) + axis * 2e5;
+    let t = curves(
+        &sphere,
+        Implicit::Cylinder {
+            point: far,
+            axis,
+            radius: 0.7,
+        },
+    );
+    assert!(t.branches.iter().all(|b| b.certainty.error() < 1e-5));
+    hold(&t, &|p| {
+        // Rounding of the far point is no error of the curve.
+        let off = (p - far).cross(axis).length() / axis.length() - 0.7;
+        off.signum() * (off.abs() - 1e-9).max(0.0)
+    });
     let t = curves(
         &sphere,
         Implicit::Cone {
@@ -223,4 +241,49 @@ fn surfaces_meet_spheres_cylinders_cones_and_tori() {
     )
     .unwrap_err();
     assert!(matches!(error, FigureError::Size { .. }));
+}
+
+#[test]
+fn jumps_of_the_curve_and_of_the_surface() {
+    let curve = |z: &str| {
+        let bound = |text: &str| Expr::parse(text).unwrap().bind(&["t"], &[]).unwrap();
+        ExpressionCurve::new([bound("t"), bound("0.5"), bound(z)], [0.0, 1.0]).unwrap()
+    };
+    let square = |z: f64| {
+        let at = |i: i32, j: i32| DVec3::new(f64::from(i), f64::from(j), z);
+        bilinear([[at(0, 0), at(0, 1)], [at(1, 0), at(1, 1)]]).unwrap()
+    };
+    let near = |found: &CurveSurface, t: f64| {
+        found.points.iter().any(|p| (p.t - t).abs() < 1e-9)
+            || found.undecided.iter().any(|b| b[0].contains(t))
+    };
+    // A zero before the jump.
+    let c = curve("if(t < 0.45, t - 0.3, t + 10)");
+    let found = intersect(&c, &square(0.0), 100_000);
+    assert_eq!(
+        (distinct(&c, &square(0.0), &found), found.undecided.len()),
+        (1, 0),
+        "{found:?}"
+    );
+    assert!(near(&found, 0.3));
+    // Over the jump, without a zero.
+    let c = curve("t - 0.5 + if(t < 0.5, -0.005, 0.005)");
+    let found = intersect(&c, &square(0.0), 100_000);
+    assert!(found.points.is_empty(), "{found:?}");
+    assert!(found.undecided.iter().all(|b| b[0].contains(0.5)));
+    // A surface that is torn at x = 1/2: a line goes through the gap, or through a side of it.
+    let rail = |y: &str| {
+        let bound = |text: &str| Expr::parse(text).unwrap().bind(&["t"], &[]).unwrap();
+        let z = "t + if(t < 0.5, -0.01, 0.01)";
+        let c = ExpressionCurve::new([bound("t"), bound(y), bound(z)], [0.0, 1.0]).unwrap();
+        Arc::new(c)
+    };
+    let torn = ruled(rail("0"), rail("1"), Dir::U).unwrap();
+    let level = line([-1.0, 0.3, 0.5], [2.0, 0.4, 0.5]);
+    let found = intersect(&level, &torn, 100_000);
+    assert!(found.points.is_empty(), "{found:?}");
+    let low = line([-1.0, 0.3, 0.4], [2.0, 0.4, 0.4]);
+    let found = intersect(&low, &torn, 100_000);
+    assert_eq!(distinct(&low, &torn, &found), 1, "{found:?}");
+    assert!((found.points[0].point.x - 0.41).abs() < 1e-9);
 }

@@ -5,8 +5,8 @@
 use nappe::expr::Expr;
 use nappe::laws::Random;
 use nappe::query::{
-    BranchEnd, ExpressionField, Field, MeetOptions, Meets, Trace, TraceError, TraceOptions, meet,
-    trace,
+    BranchEnd, ExpressionField, Field, FieldJet, MeetOptions, Meets, Trace, TraceError,
+    TraceOptions, Undecided, meet, trace,
 };
 use nappe::{Certainty, Curve, Interval, Limit};
 use std::f64::consts::{PI, TAU};
@@ -218,6 +218,12 @@ fn no_zeros_a_region_of_zeros_and_no_values() {
     assert!(matches!(error("u - u"), TraceError::Zero(_)));
     assert!(matches!(error("max(u - 0.5, 0)"), TraceError::Zero(_)));
     assert!(matches!(error("sqrt(u - 2)"), TraceError::NoValue(_)));
+    let both = |f: &str, g: &str| {
+        let options = MeetOptions::default();
+        meet(&field(f, unit, unit), &field(g, unit, unit), &options).unwrap_err()
+    };
+    assert!(matches!(both("u - u", "v"), TraceError::Zero(_)));
+    assert!(matches!(both("u", "0*v"), TraceError::Zero(_)));
     let options = TraceOptions {
         tol: Some(0.0),
         ..Default::default()
@@ -265,6 +271,7 @@ fn tighter_tolerances_are_met() {
             ..Default::default()
         };
         let t = trace(&f, &options).unwrap();
+        assert!(t.branches.len() >= 3 && t.undecided.is_empty(), "{tol}");
         for b in &t.branches {
             assert!(
                 matches!(b.certainty, Certainty::Bounded(e) if e <= tol),
@@ -484,4 +491,199 @@ fn touching_curves_are_not_decided_where_they_touch() {
     );
     let m = met("u^2 + v^2 - 1", "(u - 2)^2 + v^2 - 1", [-1.5, 1.6]);
     assert_eq!((m.points.len(), m.undecided.len()), (0, 1));
+}
+
+/// With few cells: for functions with whole lines of places that are not decided.
+fn few(text: &str, u: [f64; 2], v: [f64; 2]) -> Trace {
+    let options = TraceOptions {
+        budget: 20_000,
+        ..Default::default()
+    };
+    trace(&field(text, u, v), &options).unwrap()
+}
+
+/// True if a place lies within `off` of a branch or at a place that is not decided.
+fn covered(t: &Trace, p: [f64; 2], off: f64) -> bool {
+    let open = |c: &[Interval; 2]| c[0].contains(p[0]) && c[1].contains(p[1]);
+    t.undecided.iter().any(|x| x.cells.iter().any(open))
+        || t.branches.iter().any(|b| {
+            let path = b.in_parameters();
+            (0..=2000).any(|k| {
+                let q = path.point(f64::from(k) / 2000.0);
+                (q.x - p[0]).hypot(q.y - p[1]) <= off
+            })
+        })
+}
+
+#[test]
+fn poles_of_the_tangent_are_no_zeros() {
+    let t = few("tan(3*u) - v", [0.0, 1.0], [0.0, 1.0]);
+    assert_eq!(t.branches.len(), 1, "{t:?}");
+    let b = &t.branches[0];
+    assert_eq!(b.ends, Some([BranchEnd::Border; 2]));
+    for k in 0..=100 {
+        let v = 0.01 * f64::from(k);
+        assert!(covered(&t, [v.atan() / 3.0, v], 1e-3), "{v}");
+    }
+    let path = b.in_parameters();
+    for k in 0..=100 {
+        let p = path.point(f64::from(k) / 100.0);
+        assert!((p.x - p.y.atan() / 3.0).abs() < 1e-5, "{p}");
+    }
+    for place in &t.undecided {
+        assert!(place.hull[0].contains(PI / 6.0), "{place}");
+    }
+}
+
+#[test]
+fn nothing_is_proven_where_a_power_has_no_value() {
+    // A hole of the radius 0.05 on the line v = 0.25.
+    let text = "((u - 0.7433)^2 + (v - 0.25)^2 - 0.0025)^2.5 + v - 0.25";
+    let t = few(text, [0.0, 1.0], [0.0, 1.0]);
+    assert_eq!(t.branches.len(), 2, "{t:?}");
+    assert!(!t.undecided.is_empty());
+    for b in &t.branches {
+        let path = b.in_parameters();
+        let e = b.certainty.error() + 1e-12;
+        for k in 0..=1000 {
+            let p = path.point(f64::from(k) / 1000.0);
+            let off = (p.x - 0.7433).hypot(p.y - 0.25);
+            assert!(off >= 0.05 - e, "{p} is in the hole");
+        }
+    }
+    // The zeros outside, by halving.
+    for k in 0..=200 {
+        let u = 0.005 * f64::from(k);
+        let d = u - 0.7433;
+        let positive = |v: f64| {
+            let w = d * d + (v - 0.25).powi(2) - 0.0025;
+            w.powf(2.5) + v > 0.25
+        };
+        if d.abs() < 0.0501 || positive(0.0) {
+            continue;
+        }
+        let (mut lo, mut hi) = (0.0, 0.2501);
+        for _ in 0..60 {
+            let v = 0.5 * (lo + hi);
+            *(if positive(v) { &mut hi } else { &mut lo }) = v;
+        }
+        assert!(covered(&t, [u, lo], 1e-3), "{u} {lo}");
+    }
+    // Where it has a value, the first is positive.
+    let m = met("u^1.5 + u + 0.001", "v", [-1.0, 1.0]);
+    assert!(m.points.is_empty(), "{m:?}");
+    // The same with a zero.
+    let m = met("u^1.5 + u - 0.001", "v", [-1.0, 1.0]);
+    assert_eq!(m.points.len(), 1, "{m:?}");
+}
+
+#[test]
+fn the_jump_of_the_angle_at_a_border_hides_nothing() {
+    // atan2(v, u) = -3: the line v = u tan(-3), below the jump on the border v = 0.
+    let t = few("atan2(v, u) + 3", [-1.0, -0.5], [-1.0, 0.0]);
+    for k in 0..=100 {
+        let u = -1.0 + 0.005 * f64::from(k);
+        assert!(covered(&t, [u, u * 3f64.tan().abs()], 1e-3), "{u}");
+    }
+    // The same away from the border.
+    let t = few("atan2(v, u) + 3", [-1.0, -0.5], [-1.0, -0.01]);
+    assert_eq!((t.branches.len(), t.undecided.len()), (1, 0));
+}
+
+/// v = 1/2, of which nothing but the value and the slope along v is known.
+#[derive(Debug)]
+struct Steep;
+
+impl Field for Steep {
+    fn domain(&self) -> [Interval; 2] {
+        [Interval::UNIT; 2]
+    }
+
+    fn enclose(&self, uv: [Interval; 2], _: [Interval; 2]) -> Option<FieldJet> {
+        let mut j = [Interval::ENTIRE; 6];
+        j[0] = uv[1] - Interval::point(0.5);
+        j[2] = Interval::ONE;
+        Some(j)
+    }
+}
+
+#[test]
+fn curves_without_a_bound_end_with_the_budget() {
+    let options = TraceOptions {
+        budget: 2000,
+        ..Default::default()
+    };
+    let t = trace(&Steep, &options).unwrap();
+    assert_eq!(t.branches.len(), 1);
+    let b = &t.branches[0];
+    assert!(matches!(b.certainty, Certainty::Estimated(_)));
+    assert!(b.in_parameters().breaks().len() <= 2001);
+    for k in 0..=100 {
+        let p = b.in_parameters().point(f64::from(k) / 100.0);
+        assert!((p.y - 0.5).abs() < 1e-12, "{p}");
+    }
+}
+
+#[test]
+fn a_curve_ends_where_the_function_has_no_value_beyond() {
+    // From (0.3, 0.5), where a root lets it begin.
+    let t = found("(u - 0.3)^1.5 + v - 0.5", [0.0, 1.0], [0.0, 1.0]);
+    assert_eq!(t.branches.len(), 1);
+    // Where the line u = 0.3 meets the border, the continuation beyond it is not known.
+    let inner = |place: &&Undecided| place.hull[1].lo > 0.0 && place.hull[1].hi < 1.0;
+    assert!(t.undecided.iter().all(|place| place.hull[0].contains(0.3)));
+    let inner: Vec<&Undecided> = t.undecided.iter().filter(inner).collect();
+    assert_eq!((inner.len(), inner[0].ends), (1, 1), "{inner:?}");
+    let place = inner[0];
+    assert!(place.to_string().contains("1 branch ends here"), "{place}");
+    assert!(
+        place.hull.iter().all(|h| h.width() < 1e-6) && place.hull[1].contains(0.5),
+        "{place}"
+    );
+    // Here it begins along the line beyond which there is no value: less is proven, but nothing is lost.
+    let t = found("sqrt(u - 0.3) + v - 0.5", [0.0, 1.0], [0.0, 1.0]);
+    assert_eq!(t.branches.len(), 1);
+    let ends: usize = t.undecided.iter().map(|place| place.ends).sum();
+    assert_eq!(ends, 1);
+    for place in &t.undecided {
+        let near =
+            |d: usize, x: f64, off: f64| Interval::new(x - off, x + off).encloses(place.hull[d]);
+        let border = place.hull[1].lo <= 0.0 || place.hull[1].hi >= 1.0;
+        assert!(
+            near(0, 0.3, 1e-6) && (border || near(1, 0.5, 1e-3)),
+            "{place}"
+        );
+    }
+}
+
+#[test]
+fn branches_are_in_order_though_rounding_differs() {
+    // Two circles, the one above the other: the lower one comes first.
+    for shift in [0.0, 0.1, 0.3, 1.0 / 3.0, 0.7] {
+        let c = |v: f64| format!("((u - {shift:?})^2 + (v - ({v:?}))^2 - 0.09)");
+        let [a, b] = [0.4, -0.7].map(|v| v + shift);
+        let t = found(
+            &format!("{}*{}", c(a), c(b)),
+            [shift - 1.0, shift + 1.1],
+            [shift - 1.2, shift + 1.0],
+        );
+        assert_eq!(t.branches.len(), 2);
+        let low = [0, 1].map(|k| t.branches[k].bounds()[1].lo);
+        assert!(low[0] < low[1], "{shift}: {low:?}");
+    }
+}
+
+#[test]
+fn a_tolerance_that_is_missed_is_said() {
+    let text = "u^2 + v^2 - 1";
+    let square = [-2.0, 2.1];
+    let options = TraceOptions {
+        tol: Some(1e-14),
+        ..Default::default()
+    };
+    let t = trace(&field(text, square, square), &options).unwrap();
+    assert_eq!(t.tol, 1e-14);
+    let b = &t.branches[0];
+    assert!(b.certainty.error() > t.tol && b.certainty.error() < 1e-8);
+    residuals(text, &t, square, square);
 }

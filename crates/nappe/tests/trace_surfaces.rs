@@ -2,14 +2,17 @@
 
 #![allow(clippy::unwrap_used)]
 
+use nappe::exact::NurbsSurface;
+use nappe::expr::Expr;
 use nappe::measure::CurvatureKind;
 use nappe::query::{
-    Branch, Figure, FigureError, SurfaceField, Trace, TraceError, TraceOptions, trace,
+    Branch, ExpressionField, Figure, FigureError, SurfaceField, Trace, TraceError, TraceOptions,
+    trace,
 };
 use nappe::surface::{
     Quadric, QuadricOptions, QuadricShape, SurfaceRef, Torus, TorusOptions, Transformed, bilinear,
 };
-use nappe::{Certainty, CurveRef, DAffine3, DVec3, Limit};
+use nappe::{Certainty, CurveRef, DAffine3, DVec3, Interval, Limit};
 use std::f64::consts::{FRAC_PI_3, PI, TAU};
 use std::sync::Arc;
 
@@ -396,6 +399,24 @@ fn what_cannot_be_is_refused() {
 }
 
 #[test]
+fn a_rectangle_beyond_the_surface_is_refused() {
+    let square = [Interval::new(-1.0, 100.0); 2];
+    let bound = Expr::parse("u - 0.1*v")
+        .unwrap()
+        .bind(&["u", "v"], &[])
+        .unwrap();
+    let options = TraceOptions {
+        surface: Some(torus()),
+        ..Default::default()
+    };
+    let error = trace(&ExpressionField::new(bound, square), &options).unwrap_err();
+    let TraceError::Rectangle { within, domain } = error else {
+        panic!("{error}")
+    };
+    assert_eq!((within, domain), (square, torus().domain()));
+}
+
+#[test]
 fn a_traced_curve_keeps_the_laws_of_curves() {
     let t = traced(
         &torus(),
@@ -404,8 +425,37 @@ fn a_traced_curve_keeps_the_laws_of_curves() {
             normal: DVec3::new(1.0, 0.4, 2.0),
         },
     );
+    assert!(!t.branches.is_empty());
     for b in &t.branches {
         nappe::laws::curve(b.curve().as_ref());
         nappe::laws::curve(&b.in_parameters());
+    }
+}
+
+#[test]
+fn a_crease_at_the_parameter_zero_is_seen_from_both_sides() {
+    // A roof: the normal leans to one side before the ridge and to the other one after it.
+    for (from, to) in [(-1.0, 1.0), (-1e-6, 1e-3), (-3.0, 1e6)] {
+        let points: Vec<DVec3> = [(0.0, 0.0), (1.0, 1.0), (2.0, 0.0)]
+            .iter()
+            .flat_map(|&(x, z)| [0.0, 1.0].map(|y| DVec3::new(x, y, z)))
+            .collect();
+        let knots = [vec![from, from, 0.0, to, to], vec![0.0, 0.0, 1.0, 1.0]];
+        let roof: SurfaceRef = Arc::new(NurbsSurface::new([1, 1], knots, &points, None).unwrap());
+        for figure in [
+            Figure::Silhouette {
+                direction: DVec3::X,
+            },
+            Figure::Isophote {
+                direction: DVec3::X,
+                angle: 1.2,
+            },
+        ] {
+            let t = traced(&roof, figure);
+            assert!(
+                t.branches.is_empty() && t.undecided.is_empty() && t.touches.is_empty(),
+                "{from} {to}: {t:?}"
+            );
+        }
     }
 }

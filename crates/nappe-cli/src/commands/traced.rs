@@ -6,7 +6,7 @@ use crate::screen::Screen;
 use nappe::measure::CurvatureKind;
 use nappe::mesh::flatten;
 use nappe::query::{Figure, SurfaceField, TraceError, TraceOptions, trace};
-use nappe::{DVec3, Interval};
+use nappe::{Certainty, DVec3, Interval};
 use nappe_exchange::render::{Line, View};
 use nappe_model::{Model, NamedSurface};
 use std::f64::consts::PI;
@@ -23,7 +23,7 @@ pub(crate) struct Traced {
     #[arg(long, value_name = "AXIS=X|AXIS:N", value_parser = sections)]
     sections: Vec<Sections>,
 
-    /// Draw lines of equal angle between the normal and the direction to the eye, at equal steps of it
+    /// Draw lines of equal angle between the normal and the axis of the view, at equal steps of it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=100))]
     isophotes: Option<u16>,
 
@@ -86,14 +86,15 @@ impl Traced {
         let progress = screen.progress("Tracing");
         let mut lines = Vec::new();
         for (k, s) in surfaces.iter().enumerate() {
-            let (mut undecided, mut flat) = (0, false);
+            let (mut undecided, mut far, mut flat) = (0, 0, false);
             for (i, w) in wanted.iter().enumerate() {
                 let done = k * wanted.len() + i;
                 progress.tell(done as f64 / (wanted.len() * surfaces.len()) as f64);
                 match traced(model, s, w, tolerance)? {
-                    Some((found, open)) => {
-                        lines.extend(found);
-                        undecided += open;
+                    Some(found) => {
+                        lines.extend(found.lines);
+                        undecided += found.undecided;
+                        far += found.far;
                     }
                     None => flat = true,
                 }
@@ -101,6 +102,12 @@ impl Traced {
             if undecided > 0 {
                 screen.note(format!(
                     "note: surface `{}`: {undecided} places are not decided: lines may cross or end there",
+                    s.name
+                ));
+            }
+            if far > 0 {
+                screen.note(format!(
+                    "note: surface `{}`: {far} lines are not proven to be within the tolerance",
                     s.name
                 ));
             }
@@ -173,13 +180,22 @@ impl Traced {
     }
 }
 
-/// A line on a surface, in its branches, and how many places are not decided; `None` if it is a region.
+/// A line on a surface in its branches.
+struct Drawn {
+    lines: Vec<Line>,
+    /// How many places are not decided.
+    undecided: usize,
+    /// How many branches are not proven to be within the tolerance.
+    far: usize,
+}
+
+/// A line on a surface; `None` if it is a region.
 fn traced(
     model: &Model,
     s: &NamedSurface,
     wanted: &Wanted,
     tolerance: f64,
-) -> Result<Option<(Vec<Line>, usize)>, Failure> {
+) -> Result<Option<Drawn>, Failure> {
     let refused = |e: &dyn fmt::Display| {
         let message = format!("surface `{}`: a line cannot be traced on it: {e}", s.name);
         fault::at(model, message, &s.place, "draw other lines")
@@ -206,7 +222,12 @@ fn traced(
             ..Line::border(flat.points)
         });
     }
-    Ok(Some((lines, found.undecided.len())))
+    let far = |c: Certainty| matches!(c, Certainty::Estimated(_)) || c.error() > found.tol;
+    Ok(Some(Drawn {
+        lines,
+        undecided: found.undecided.len(),
+        far: found.branches.iter().filter(|b| far(b.certainty)).count(),
+    }))
 }
 
 /// The extent of the drawn surfaces along an axis, by samples.

@@ -396,6 +396,13 @@ impl<'a, S: Number> Run<'a, S> {
             Some(s) => {
                 let half = if s >= 0.0 { S::pi() } else { -S::pi() };
                 r.c[0] = half + (y.value() / x.value()).atan();
+                // Where y reaches 0 from below the angle is that of the other side, unless a piece ends there.
+                if s < 0.0 && ry.hi >= 0.0 && self.forced.is_none() {
+                    r.c[0] = r.c[0].hull(S::pi());
+                    for c in &mut r.c[1..] {
+                        *c = S::from_range(Interval::ENTIRE);
+                    }
+                }
             }
             None => {
                 for c in &mut r.c[1..] {
@@ -486,11 +493,22 @@ impl Bound {
         variables: &[Series<S>],
         order: usize,
     ) -> Result<Series<S>, Fault> {
+        self.doubtful_series(variables, order).map(|s| s.0)
+    }
+
+    /// The same, and whether some part may have no value at places in the range: then the enclosures are of the rest.
+    pub(crate) fn doubtful_series<S: Number>(
+        &self,
+        variables: &[Series<S>],
+        order: usize,
+    ) -> Result<(Series<S>, bool), Fault> {
         assert!(
             variables.len() >= self.variables.len(),
             "one series for each variable"
         );
-        Run::new(self, variables, order, None).result()
+        let mut run = Run::new(self, variables, order, None);
+        let series = run.result()?;
+        Ok((series, run.doubt.is_some()))
     }
 
     /// The value of an inner node without variables.

@@ -215,6 +215,19 @@ fn equation(surface: &dyn Surface, uv: [Interval; 2], other: Implicit, degree: u
     over[0] = over[0] - Box3::point(from);
     let way = Taylor::vector(&over, [0, 0], degree);
     let square = Taylor::square(&way);
+    // The squares of the ways along and off an axis, times the square of its length, which is 1 but for rounding. As a
+    // difference the latter would lose all digits far along the axis.
+    let sideways = |a: DVec3| {
+        let [x, y, z] = constant(a);
+        let cross =
+            |i: usize, j: usize, a: Interval, b: Interval| way[i].scale(b).sub(&way[j].scale(a));
+        Taylor::square(&[cross(1, 2, y, z), cross(2, 0, z, x), cross(0, 1, x, y)])
+    };
+    let length2 = |a: DVec3| {
+        let [x, y, z] = constant(a).map(Interval::sqr);
+        x + y + z
+    };
+    let off = |a: DVec3| sideways(a).scale(Interval::ONE / length2(a));
     let less = |t: Taylor, x: Interval| {
         let mut t = t;
         t.c[0] = t.c[0] - x;
@@ -223,21 +236,21 @@ fn equation(surface: &dyn Surface, uv: [Interval; 2], other: Implicit, degree: u
     let sqr = |x: f64| Interval::point(x).sqr();
     match other {
         Implicit::Sphere { radius, .. } => less(square, sqr(radius)),
-        Implicit::Cylinder { axis, radius, .. } => {
-            less(square.sub(&along(&way, axis).sqr()), sqr(radius))
-        }
+        Implicit::Cylinder { axis, radius, .. } => less(off(axis), sqr(radius)),
         Implicit::Cone {
             axis, half_angle, ..
         } => {
-            let cosine = Interval::point(half_angle).cos().sqr();
-            along(&way, axis).sqr().sub(&square.scale(cosine))
+            let angle = Interval::point(half_angle);
+            let [sine, cosine] = [angle.sin().sqr(), angle.cos().sqr()];
+            let ahead = along(&way, axis).sqr().scale(sine);
+            ahead.sub(&sideways(axis).scale(cosine))
         }
         Implicit::Torus {
             axis, major, minor, ..
         } => {
-            let off = square.sub(&along(&way, axis).sqr());
             let sum = less(square, sqr(minor) - sqr(major));
-            sum.sqr().sub(&off.scale(Interval::point(4.0) * sqr(major)))
+            let turned = off(axis).scale(Interval::point(4.0) * sqr(major));
+            sum.sqr().sub(&turned)
         }
     }
 }

@@ -35,8 +35,6 @@ const ASPECT: f64 = 16.0;
 /// How often a cell has been halved when it is looked at whether f is zero all over it. Sooner, and a few places would
 /// have to speak for much; later, and where a function vanishes to a high order rounding would look the same.
 const ZERO_TRIED: std::ops::Range<u32> = 6..17;
-/// Rows and columns of the places where that is seen.
-const PLACES: [f64; 3] = [0.193_7, 0.467_1, 0.821_3];
 
 /// An edge of a cell on which the curve crosses.
 #[derive(Clone, Copy, Debug)]
@@ -96,23 +94,29 @@ struct Division<'a> {
     signs: HashMap<[u64; 2], Option<bool>>,
 }
 
-/// Divides the rectangle of a field; `budget` limits how many cells are looked at.
+/// Divides the rectangle of a field; `budget` limits how many cells are looked at, in all attempts together.
 pub(super) fn divide(f: Extended, budget: usize) -> Result<Cells, CellsError> {
     let mut best: Option<(usize, Cells)> = None;
+    let mut looked = 0;
     for cut in CUTS {
         let mut division = Division {
             f,
             signs: HashMap::new(),
         };
-        let (cells, corners) = division.run(cut, budget)?;
+        let (cells, corners) = division.run(cut, budget - looked)?;
+        // Another attempt looks at about as many.
+        let last = corners == 0 || looked + 2 * cells.looked > budget;
+        looked += cells.looked;
         if best.as_ref().is_none_or(|b| corners < b.0) {
             best = Some((corners, cells));
         }
-        if corners == 0 {
+        if last {
             break;
         }
     }
-    Ok(best.map(|b| b.1).unwrap_or_default())
+    let mut cells = best.map(|b| b.1).unwrap_or_default();
+    cells.looked = looked;
+    Ok(cells)
 }
 
 impl Division<'_> {
@@ -141,7 +145,7 @@ impl Division<'_> {
                 cells.open.push(cell.uv);
                 continue;
             }
-            if ZERO_TRIED.contains(&cell.halved) && self.is_zero(cell.uv) {
+            if ZERO_TRIED.contains(&cell.halved) && self.f.is_zero(self.inside(cell.uv)) {
                 return Err(CellsError::Zero(self.inside(cell.uv)));
             }
             match self.halves(&cell, cut) {
@@ -233,13 +237,13 @@ impl Division<'_> {
     }
 
     /// True if rounding hides the sign of f in a corner of a small cell: smaller cells would not help. So it is where f
-    /// grows slowly from a border that it is zero on.
+    /// grows slowly from a border that it is zero on. A corner where f has no value hides nothing.
     fn is_hidden(&mut self, uv: [Interval; 2]) -> bool {
         let small = (0..2).all(|d| self.relative(uv, d) <= HIDDEN);
         small
             && (0..4).any(|k| {
                 let p = [[uv[0].lo, uv[0].hi][k & 1], [uv[1].lo, uv[1].hi][k >> 1]];
-                self.sign(p).is_none()
+                self.sign(p).is_none() && self.f.slopes(p.map(Interval::point)).is_some()
             })
     }
 
@@ -300,22 +304,6 @@ impl Division<'_> {
         [0, 1].map(|d| Interval {
             lo: uv[d].lo.clamp(r[d].lo, r[d].hi),
             hi: uv[d].hi.clamp(r[d].lo, r[d].hi),
-        })
-    }
-
-    /// True if f is zero, within rounding, at all of some places of a cell. Zeros of a function that has others are
-    /// curves and points, which do not go through nine places.
-    fn is_zero(&self, uv: [Interval; 2]) -> bool {
-        let uv = self.inside(uv);
-        if uv[0].is_point() || uv[1].is_point() {
-            return false;
-        }
-        let at = |d: usize, k: usize| uv[d].lo + PLACES[k] * (uv[d].hi - uv[d].lo);
-        (0..9).all(|k| {
-            let p = [at(0, k / 3), at(1, k % 3)].map(Interval::point);
-            self.f
-                .jet(p)
-                .is_some_and(|j| j[0].is_finite() && j[0].contains(0.0))
         })
     }
 }

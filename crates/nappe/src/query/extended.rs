@@ -14,6 +14,9 @@ pub(super) const MARGIN: f64 = 1.0 / (1u64 << 34) as f64;
 /// rectangle would go through the corners.
 const UNEVEN: [[f64; 2]; 2] = [[1.0, 1.37], [1.71, 0.83]];
 
+/// Rows and columns of the places where it is seen whether f is zero all over a box.
+const PLACES: [f64; 3] = [0.193_7, 0.467_1, 0.821_3];
+
 /// Enclosures of `f, f_u, f_v`.
 pub(super) type Slopes = [Interval; 3];
 
@@ -78,6 +81,20 @@ impl<'a> Extended<'a> {
     pub(super) fn sign(&self, uv: [f64; 2]) -> Option<bool> {
         let f = self.slopes(uv.map(Interval::point))?[0];
         (!f.contains(0.0)).then_some(f.lo > 0.0)
+    }
+
+    /// True if f is zero, within rounding, at all of some places of a box inside the rectangle. Zeros of a function that has
+    /// others are curves and points, which do not go through nine places.
+    pub(super) fn is_zero(&self, uv: [Interval; 2]) -> bool {
+        if uv[0].is_point() || uv[1].is_point() {
+            return false;
+        }
+        let at = |d: usize, k: usize| uv[d].lo + PLACES[k] * (uv[d].hi - uv[d].lo);
+        (0..9).all(|k| {
+            let p = [at(0, k / 3), at(1, k % 3)].map(Interval::point);
+            self.jet(p)
+                .is_some_and(|j| j[0].is_finite() && j[0].contains(0.0))
+        })
     }
 
     /// Taylor's formula about the middle makes the enclosures of f and its first derivatives narrower.

@@ -27,6 +27,9 @@ pub trait Field: Debug + Send + Sync {
     /// Enclosures over a box inside the domain that lies between jumps (a box that ends on a jump sees the side it lies
     /// on; a box of width zero there is `beside` a larger one). `None` if f has no value anywhere in the box;
     /// [`Interval::ENTIRE`] for what is not known. They must shrink with the box.
+    ///
+    /// If f may have no value at some places of the box, the first enclosure holds all that it has, and all others are
+    /// [`Interval::ENTIRE`]: what is proven by derivatives needs f all over the box.
     fn enclose(&self, uv: [Interval; 2], beside: [Interval; 2]) -> Option<FieldJet>;
 
     /// An enclosure of f alone over an edge: a box of width zero in one direction. It is asked for on borders, where f
@@ -39,10 +42,11 @@ pub trait Field: Debug + Send + Sync {
 /// The degree of the polynomials along edges.
 const HIGH: usize = 8;
 
-/// The range of a formula of power series over an edge, by Taylor's formula about its middle.
+/// The range of a formula of power series over an edge, by Taylor's formula about its middle; the formula says too whether
+/// it may have no value at some places.
 fn on_edge(
     uv: [Interval; 2],
-    formula: impl Fn(&[Series<Interval>; 2], usize) -> Option<Series<Interval>>,
+    formula: impl Fn(&[Series<Interval>; 2], usize) -> Option<(Series<Interval>, bool)>,
 ) -> Option<Interval> {
     let d = usize::from(uv[0].is_point());
     let at = |t: Interval| {
@@ -50,8 +54,12 @@ fn on_edge(
         s[d] = Series::variable(t, HIGH);
         formula(&s, HIGH)
     };
+    let (wide, doubt) = at(uv[d])?;
+    if doubt {
+        return Some(wide.c[0]);
+    }
     let middle = Interval::point(uv[d].mid());
-    let (wide, narrow) = (at(uv[d])?, at(middle)?);
+    let (narrow, _) = at(middle)?;
     let x = uv[d] - middle;
     let sum = (0..HIGH).fold(wide.c[HIGH] * x.powi(HIGH as i32), |sum, k| {
         sum + narrow.c[k] * x.powi(k as i32)
@@ -65,10 +73,11 @@ fn on_edge(
 
 /// The value and derivatives of a formula of power series along three directions of the parameter plane.
 ///
-/// With `g(t) = f(u + t, v + t)`: `f_uv = ½ (g'' - f_uu - f_vv)`.
+/// With `g(t) = f(u + t, v + t)`: `f_uv = ½ (g'' - f_uu - f_vv)`. The formula says too whether it may have no value at some
+/// places.
 fn along(
     uv: [Interval; 2],
-    formula: impl Fn(&[Series<Interval>; 2]) -> Option<Series<Interval>>,
+    formula: impl Fn(&[Series<Interval>; 2]) -> Option<(Series<Interval>, bool)>,
 ) -> Option<FieldJet> {
     let towards = |a: f64, b: f64| {
         let series = |x: Interval, slope: f64| {
@@ -76,8 +85,12 @@ fn along(
             s.c[1] = Interval::point(slope);
             s
         };
-        let s = formula(&[series(uv[0], a), series(uv[1], b)])?;
-        Some([s.c[0], s.c[1], s.c[2]])
+        let (s, doubt) = formula(&[series(uv[0], a), series(uv[1], b)])?;
+        Some(if doubt {
+            [s.c[0], Interval::ENTIRE, Interval::ENTIRE]
+        } else {
+            [s.c[0], s.c[1], s.c[2]]
+        })
     };
     let (u, v, both) = (towards(1.0, 0.0)?, towards(0.0, 1.0)?, towards(1.0, 1.0)?);
     let two = Interval::point(2.0);
@@ -112,11 +125,11 @@ impl Field for ExpressionField {
     }
 
     fn enclose(&self, uv: [Interval; 2], _: [Interval; 2]) -> Option<FieldJet> {
-        along(uv, |s| self.bound.series(s, 2).ok())
+        along(uv, |s| self.bound.doubtful_series(s, 2).ok())
     }
 
     fn edge(&self, uv: [Interval; 2], _: [Interval; 2]) -> Option<Interval> {
-        on_edge(uv, |s, order| self.bound.series(s, order).ok())
+        on_edge(uv, |s, order| self.bound.doubtful_series(s, order).ok())
     }
 }
 
@@ -143,7 +156,7 @@ pub struct FormulaField<F> {
 }
 
 impl<F: Fn(&[Series<Interval>; 2]) -> Series<Interval> + Send + Sync> FormulaField<F> {
-    /// A formula over a rectangle.
+    /// A formula over a rectangle, all over which it has a value.
     pub fn new(domain: [Interval; 2], formula: F) -> Self {
         Self { formula, domain }
     }
@@ -161,10 +174,10 @@ impl<F: Fn(&[Series<Interval>; 2]) -> Series<Interval> + Send + Sync> Field for 
     }
 
     fn enclose(&self, uv: [Interval; 2], _: [Interval; 2]) -> Option<FieldJet> {
-        along(uv, |s| Some((self.formula)(s)))
+        along(uv, |s| Some(((self.formula)(s), false)))
     }
 
     fn edge(&self, uv: [Interval; 2], _: [Interval; 2]) -> Option<Interval> {
-        on_edge(uv, |s, _| Some((self.formula)(s)))
+        on_edge(uv, |s, _| Some(((self.formula)(s), false)))
     }
 }

@@ -1,7 +1,7 @@
 //! Figures of a surface whose zeros are curves on it: sections, silhouettes, isophotes, lines of equal curvature.
 
 use super::field::{Field, FieldJet};
-use crate::breaks::{Break, Breaks};
+use crate::breaks::{Break, Breaks, Limit};
 use crate::interval::Interval;
 use crate::measure::{
     CurvatureKind, FigureJet, Implicit, NormalFigure, Pole, curvature_over, curvature_range,
@@ -195,14 +195,18 @@ impl SurfaceField {
             let Some(b) = inner.iter().find(|b| b.at == t.lo) else {
                 return (vec![t], i32::MAX);
             };
-            let step = 4.0 * f64::EPSILON * t.mag();
+            // The break may be at 0: then the width of the piece says how small a step is.
+            let step = |limit: Limit| {
+                let piece = breaks.piece(breaks.find(t.lo, limit));
+                4.0 * f64::EPSILON * t.mag().max(piece.width())
+            };
             let below = Interval {
-                lo: t.lo - step,
+                lo: t.lo - step(Limit::Below),
                 hi: t.hi,
             };
             let above = Interval {
                 lo: t.lo,
-                hi: t.hi + step,
+                hi: t.hi + step(Limit::Above),
             };
             return match smooth(b) {
                 s if s >= 0 => (vec![below, above], s),

@@ -4,9 +4,10 @@ use super::chains::{clusters, touch};
 use super::extended::{beyond, margins};
 use super::solve::{Enclosed, System, solve};
 use crate::box3::Box3;
+use crate::breaks::Breaks;
 use crate::curve::Curve;
 use crate::interval::Interval;
-use crate::surface::Surface;
+use crate::surface::{Dir, Surface};
 use glam::DVec3;
 
 /// The smallest box relative to the ranges of the parameters; see `meet`.
@@ -34,7 +35,8 @@ pub struct CurveSurface {
     /// is found on both.
     pub points: Vec<CurveSurfacePoint>,
     /// Boxes of t, u and v in which it is not decided whether there are points, and how many: the curve touches the surface,
-    /// lies in it, or meets it in a pole.
+    /// lies in it, meets it in a pole, or may do so
+    /// where one of them jumps.
     pub undecided: Vec<[Interval; 3]>,
     /// How many boxes were looked at.
     pub boxes: usize,
@@ -43,13 +45,21 @@ pub struct CurveSurface {
 struct Difference<'a> {
     curve: &'a dyn Curve,
     surface: &'a dyn Surface,
+    /// Where the curve jumps, and the surface along u and along v.
+    jumps: [Vec<f64>; 3],
 }
 
 impl System<3> for Difference<'_> {
     fn enclose(&self, x: &[Interval; 3]) -> Option<Enclosed<3>> {
         let (c, s) = (self.curve_over(x[0])?, self.surface_over([x[1], x[2]])?);
         let value = (s[0] - c[0]).to_array();
-        let [t, u, v] = [c[1], s[1], s[2]].map(Box3::to_array);
+        // Over a jump the derivatives of its two sides say nothing.
+        let jumps = |k: usize| self.jumps[k].iter().any(|&at| x[k].lo < at && at < x[k].hi);
+        let [t, u, v] = if (0..3).any(jumps) {
+            [[Interval::ENTIRE; 3]; 3]
+        } else {
+            [c[1], s[1], s[2]].map(Box3::to_array)
+        };
         Some(Enclosed {
             value,
             slopes: [0, 1, 2].map(|k| [-t[k], u[k], v[k]]),
@@ -116,7 +126,12 @@ pub fn intersect(curve: &dyn Curve, surface: &dyn Surface, budget: usize) -> Cur
     let [u, v] = surface.domain();
     let domain = [curve.domain(), u, v];
     let outer = [0, 1, 2].map(|k| margins(domain[k], [1.0, 1.0]));
-    let system = Difference { curve, surface };
+    let [u, v] = [Dir::U, Dir::V].map(|dir| surface.breaks(dir).below(0));
+    let system = Difference {
+        curve,
+        surface,
+        jumps: [curve.breaks().below(0), u, v],
+    };
     let found = solve(&system, outer, SMALLEST, budget);
     let mut points: Vec<CurveSurfacePoint> = Vec::new();
     for zero in found.zeros.iter().filter(|z| touch(z.at, outer)) {

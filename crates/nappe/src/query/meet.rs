@@ -67,7 +67,7 @@ impl System<2> for Both<'_> {
 /// All points where f and g are zero: each is proven to be the only one in its box, and every other one lies at a place
 /// that is not decided. Points beyond the border by less than 10⁻¹⁰ of the width count as on it.
 ///
-/// Errors: the rectangle is not a part of both domains; a function has no value anywhere. Cost: some enclosures for each
+/// Errors: the rectangle is not a part of both domains; a function has no value anywhere, or is zero everywhere. Cost: some enclosures for each
 /// box; simple points need few.
 ///
 /// ```
@@ -105,11 +105,15 @@ pub fn meet(f: &dyn Field, g: &dyn Field, options: &MeetOptions) -> Result<Meets
             empty += 1;
             continue;
         }
+        if both.0.iter().any(|f| f.is_zero(*rect)) {
+            return Err(TraceError::Zero(*rect));
+        }
         let found = solve(&both, outer, SMALLEST, share);
         out.boxes += found.looked;
+        let before = out.points.len();
         for zero in found.zeros {
             // On a line where a function jumps a point may belong to both sides.
-            let known = out.points.iter().any(|p| touch(p.zero, zero.at));
+            let known = out.points[..before].iter().any(|p| touch(p.zero, zero.at));
             if touch(zero.at, outer) && !known {
                 out.points.push(MeetPoint {
                     uv: both.0[0].clamp(zero.at.map(Interval::mid)),

@@ -290,18 +290,31 @@ fn cuts(b: &Cubic, surface: &SurfaceRef) -> Vec<(f64, i32)> {
     found
 }
 
-/// The parameters where a coordinate of a cubic has a value: between its extremes there is one at most.
-fn crossings(b: &Cubic, d: usize, at: f64) -> Vec<f64> {
+/// The ends of a cubic and the parameters between them where a coordinate has an extreme, increasing.
+fn extremes(b: &Cubic, d: usize) -> Vec<f64> {
     // The derivative is a (1-s)² + 2 m s (1-s) + c s², up to a factor.
     let [a, m, c] = [0, 1, 2].map(|i| b[i + 1][d] - b[i][d]);
     let root = (m * m - a * c).max(0.0).sqrt();
-    // Without cancellation: s = a / (a - m ± root).
-    let mut ends: Vec<f64> = [a / (a - m + root), a / (a - m - root)]
+    // Without cancellation, also where a or the leading coefficient is 0 (what is not finite is no root in between).
+    let q = (a - m) + root.copysign(a - m);
+    let mut ends: Vec<f64> = [q / (a - 2.0 * m + c), a / q]
         .into_iter()
         .filter(|&s| s > 0.0 && s < 1.0)
         .collect();
     ends.extend([0.0, 1.0]);
     ends.sort_by(f64::total_cmp);
+    ends
+}
+
+/// The least value of a coordinate on a cubic.
+pub(super) fn least(b: &Cubic, d: usize) -> f64 {
+    let all = extremes(b, d).into_iter().map(|s| value(b, s)[d]);
+    all.fold(f64::INFINITY, f64::min)
+}
+
+/// The parameters where a coordinate of a cubic has a value: between its extremes there is one at most.
+fn crossings(b: &Cubic, d: usize, at: f64) -> Vec<f64> {
+    let ends = extremes(b, d);
     let side = |s: f64| value(b, s)[d] - at;
     ends.windows(2)
         .filter_map(|w| {
@@ -321,4 +334,31 @@ fn crossings(b: &Cubic, d: usize, at: f64) -> Vec<f64> {
             Some(hi)
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_crossings_of_a_cubic_are_found() {
+        // One coordinate of the four points, and how often it has the value 0.1.
+        for (x, n) in [
+            // The first two points are one: the derivative begins with 0.
+            ([0.0, 0.0, 1.0, -1.0], 2),
+            ([0.0, 1e-20, 1.0, -1.0], 2),
+            ([-1.0, 1.0, 0.0, 0.0], 2),
+            ([0.0, 1.0, -1.0, 0.2], 3),
+            ([0.0, 1.0, 2.0, 3.0], 1),
+            ([0.0, 0.0, 0.0, 1.0], 1),
+            ([0.0, 0.0, 0.0, 0.0], 0),
+        ] {
+            let b = x.map(|x| [x, 0.3]);
+            let found = crossings(&b, 0, 0.1);
+            assert_eq!(found.len(), n, "{x:?}: {found:?}");
+            for s in found {
+                assert!((value(&b, s)[0] - 0.1).abs() < 1e-12, "{x:?}: {s}");
+            }
+        }
+    }
 }

@@ -4,9 +4,9 @@ use super::cells::{Cells, CellsError, divide, rectangles};
 use super::chains::{Chain, chains, clusters, touch};
 use super::extended::{Extended, MARGIN};
 use super::field::Field;
-use super::path::{Part, Path};
+use super::path::{Part, Path, least};
 use super::seams::{Strand, bounds, joined};
-use super::tube::Tube;
+use super::tube::{Tube, displacement};
 use crate::box3::Box3;
 use crate::curve::CurveRef;
 use crate::interval::Interval;
@@ -27,10 +27,12 @@ pub struct TraceOptions {
     /// The surface whose parameters u and v are. Then `tol` is a length on it, and branches are curves in space too.
     pub surface: Option<SurfaceRef>,
     /// The greatest distance of a branch from the exact curve, and of that from the branch: in space if there is a surface,
-    /// else in the plane of the parameters. `None`: a millionth of the size. Where rounding leaves more, the certainty of
-    /// the branch says so.
+    /// else in the plane of the parameters. `None`: a millionth of the size. Where more is left the certainty of the branch
+    /// says so: where rounding hides the sign, where the budget ends, and where the tolerance is less than the margin of
+    /// 10⁻¹⁰ of the rectangle.
     pub tol: Option<f64>,
-    /// The most cells that are looked at, and the most pieces of all branches.
+    /// The most cells that are looked at, and the most pieces that are tried for all branches. Between jumps of the function
+    /// at least 1000 cells are looked at.
     pub budget: usize,
 }
 
@@ -59,7 +61,7 @@ pub enum TraceError {
     /// The tolerance is no positive length.
     #[error("the tolerance of the curve is {0}: it must be a positive, finite number")]
     Tolerance(f64),
-    /// The rectangle is empty, infinite or not in the domain.
+    /// The rectangle is empty, infinite or not in the domain of the function or of the surface.
     #[error("the rectangle u in [{}, {}], v in [{}, {}] is not a part of the domain u in [{}, {}], v in [{}, {}] with an \
              interior", .within[0].lo, .within[0].hi, .within[1].lo, .within[1].hi,
              .domain[0].lo, .domain[0].hi, .domain[1].lo, .domain[1].hi)]
@@ -142,7 +144,7 @@ pub struct Undecided {
     /// A box around them.
     pub hull: [Interval; 2],
     /// How many ends of branches lie there: four at an ordinary crossing, two at a cusp or where a bend could not be
-    /// followed, none at a point by itself.
+    /// followed, one where the function has no value beyond, none at a point by itself.
     pub ends: usize,
 }
 
@@ -156,6 +158,7 @@ impl fmt::Display for Undecided {
         )?;
         match self.ends {
             0 => f.write_str("(a point by itself, a double curve, or none)"),
+            1 => f.write_str("(1 branch ends here: the function may have no value beyond)"),
             2 => f.write_str("(2 branches end here: a cusp, or a bend too sharp)"),
             n => write!(f, "({n} branches end here: they may cross)"),
         }
@@ -165,14 +168,16 @@ impl fmt::Display for Undecided {
 /// All zeros of a function in a rectangle.
 #[derive(Clone, Debug, Default)]
 pub struct Trace {
-    /// The curves, by the least u of each, then the least v.
+    /// The curves, by the least u of each; where these are the same within some millionths of the width, by the least v.
     pub branches: Vec<Branch>,
     /// What is not decided.
     pub undecided: Vec<Undecided>,
     /// Points of the border where a curve reaches the rectangle without entering it, as at a corner; and, on a surface,
     /// sides that are one point.
     pub touches: Vec<[f64; 2]>,
-    /// How many cells were looked at.
+    /// The tolerance that was meant: that of the options, or the default.
+    pub tol: f64,
+    /// How many cells were looked at, in all attempts.
     pub cells: usize,
 }
 
@@ -198,11 +203,20 @@ pub fn trace(f: &dyn Field, options: &TraceOptions) -> Result<Trace, TraceError>
         return Err(TraceError::Tolerance(tol));
     }
     let surface = options.surface.as_deref();
+    if let Some(surface) = surface {
+        let domain = surface.domain();
+        if !(0..2).all(|d| domain[d].encloses(within[d])) {
+            return Err(TraceError::Rectangle { within, domain });
+        }
+    }
     let tol = options.tol.unwrap_or_else(|| {
         DEFAULT_TOL * surface.map_or_else(|| within[0].width().hypot(within[1].width()), size)
     });
     let pieces = rectangles(&[f], within);
-    let mut trace = Trace::default();
+    let mut trace = Trace {
+        tol,
+        ..Trace::default()
+    };
     let mut strands = Vec::new();
     let mut budget = options.budget;
     let mut empty = 0;
@@ -246,12 +260,28 @@ pub fn trace(f: &dyn Field, options: &TraceOptions) -> Result<Trace, TraceError>
             trace.undecided[k].ends += 1;
         }
     }
-    trace.branches.sort_by(|a, b| {
-        let least = |x: &Branch| x.bounds().map(|t| t.lo);
-        let ([au, av], [bu, bv]) = (least(a), least(b));
-        au.total_cmp(&bu).then(av.total_cmp(&bv))
-    });
+    trace.branches = in_order(trace.branches, within);
     Ok(trace)
+}
+
+/// Branches by the least u of each; where these differ by no more than the tolerance may do, by the least v.
+fn in_order(branches: Vec<Branch>, within: [Interval; 2]) -> Vec<Branch> {
+    let mut all: Vec<([f64; 2], Branch)> = branches
+        .into_iter()
+        .map(|b| {
+            let lowest = |d: usize| {
+                let each = b.parts.iter().map(|p| least(&p.points, d));
+                each.fold(f64::INFINITY, f64::min)
+            };
+            ([lowest(0), lowest(1)], b)
+        })
+        .collect();
+    all.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+    let near = 4.0 * DEFAULT_TOL * within[0].width();
+    for same in all.chunk_by_mut(|a, b| b.0[0] - a.0[0] <= near) {
+        same.sort_by(|a, b| a.0[1].total_cmp(&b.0[1]));
+    }
+    all.into_iter().map(|b| b.1).collect()
 }
 
 /// Cells below this width, relative to the rectangle, say nothing of their own between cells that are not decided.
@@ -364,10 +394,14 @@ fn branches(
         for &k in &list {
             let begin = parts.len();
             parts.extend_from_slice(&strands[k].parts);
+            let mut own = rest[k].1;
             if begin > 0 {
-                parts[begin].points[0] = parts[begin - 1].points[3];
+                let to = parts[begin - 1].points[3];
+                let part = &mut parts[begin].points;
+                own += displacement(surface.as_deref(), part, part[0], to);
+                part[0] = to;
             }
-            error = error.max(rest[k].1);
+            error = error.max(own);
         }
         let (first, last) = (rest[list[0]].0, rest[list[list.len() - 1]].0);
         let ends = match (first, last) {
@@ -375,7 +409,10 @@ fn branches(
             _ => None,
         };
         if closed && let Some(last) = parts.len().checked_sub(1) {
-            parts[last].points[3] = parts[0].points[0];
+            let to = parts[0].points[0];
+            let part = &mut parts[last].points;
+            error += displacement(surface.as_deref(), part, part[3], to);
+            part[3] = to;
         }
         Branch {
             parts,

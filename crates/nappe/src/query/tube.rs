@@ -46,7 +46,7 @@ pub(super) struct Tube<'a> {
     pub(super) f: Extended<'a>,
     pub(super) surface: Option<&'a dyn Surface>,
     pub(super) tol: f64,
-    /// How many pieces may still be made.
+    /// How many pieces may still be looked at.
     pub(super) budget: usize,
     /// What is done.
     pub(super) parts: Vec<Part>,
@@ -124,6 +124,7 @@ impl<'a> Tube<'a> {
         };
         // The same zero, found twice: within rounding.
         if let Some(last) = self.parts.last_mut() {
+            self.absorbed += displacement(self.surface, &last.points, last.points[3], first);
             end_at(last, first);
         }
     }
@@ -213,6 +214,8 @@ impl<'a> Tube<'a> {
     /// which it is a quarter.
     fn between(&mut self, arc: &Arc, from: Knot, to: Knot, depth: usize, above: [f64; 2]) {
         let d = arc.over;
+        // Those that are left out count too: where no error is known all of them are.
+        self.budget = self.budget.saturating_sub(1);
         let cubic = self
             .cubic(&from, &to)
             .map(|c| (self.error_of(arc, &from, &to, &c.points), c));
@@ -257,7 +260,6 @@ impl<'a> Tube<'a> {
         if part.length <= 0.0 || self.is_absorbed(&part) {
             return;
         }
-        self.budget = self.budget.saturating_sub(1);
         let curved = part.smooth;
         let mut points = part.points;
         if let Some(start) = self.start.take() {
@@ -455,17 +457,44 @@ impl<'a> Tube<'a> {
 
     /// How far a step of the parameters goes at most.
     fn stretch(&self, uv: [Interval; 2]) -> [f64; 2] {
-        let Some(surface) = self.surface else {
-            return [1.0; 2];
-        };
-        let domain = surface.domain();
-        let uv = [0, 1].map(|k| Interval {
-            lo: uv[k].lo.clamp(domain[k].lo, domain[k].hi),
-            hi: uv[k].hi.clamp(domain[k].lo, domain[k].hi),
-        });
-        let jet = enclose_direct(surface, uv, 1);
-        [jet[1].norm().hi, jet[2].norm().hi]
+        stretch(self.surface, uv)
     }
+}
+
+/// How far a step of the parameters goes at most on a surface, or in the plane.
+fn stretch(surface: Option<&dyn Surface>, uv: [Interval; 2]) -> [f64; 2] {
+    let Some(surface) = surface else {
+        return [1.0; 2];
+    };
+    let domain = surface.domain();
+    let uv = [0, 1].map(|k| Interval {
+        lo: uv[k].lo.clamp(domain[k].lo, domain[k].hi),
+        hi: uv[k].hi.clamp(domain[k].lo, domain[k].hi),
+    });
+    let jet = enclose_direct(surface, uv, 1);
+    [jet[1].norm().hi, jet[2].norm().hi]
+}
+
+/// How far a cubic moves at most when one end of it, and its tangent perhaps, is moved.
+pub(super) fn displacement(
+    surface: Option<&dyn Surface>,
+    b: &Cubic,
+    from: [f64; 2],
+    to: [f64; 2],
+) -> f64 {
+    if from == to {
+        return 0.0;
+    }
+    let around = [0, 1].map(|k| {
+        let way = Interval::point(to[k]) - Interval::point(from[k]);
+        let hull = b
+            .iter()
+            .fold(Interval::point(to[k]), |h, p| h.hull(Interval::point(p[k])));
+        // The tangent is moved as the end is.
+        hull.hull(hull + way)
+    });
+    let stretch = stretch(surface, around);
+    (0..2).map(|k| (to[k] - from[k]).abs() * stretch[k]).sum()
 }
 
 /// Moves the end of a part, with its tangent.
