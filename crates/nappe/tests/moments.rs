@@ -142,6 +142,33 @@ fn the_centroid_of_parts_is_that_of_the_whole() {
     assert_eq!(joint_centroid(&[]).centroid, None);
 }
 
+#[test]
+fn parts_without_area_do_not_hide_the_centroid_of_the_rest() {
+    let flat = |p: [[DVec3; 2]; 2]| area_centroid(&bilinear(p).unwrap(), &MILLIONTH);
+    for (scale, map) in places() {
+        let at = |x: f64, y: f64| map.transform_point3(v(x, y, 0.0));
+        let square = flat([[at(0.0, 0.0), at(0.0, 1.0)], [at(1.0, 0.0), at(1.0, 1.0)]]);
+        let line = flat([[at(3.0, 0.0); 2], [at(5.0, 1.0); 2]]);
+        let point = flat([[at(7.0, 7.0); 2]; 2]);
+        // Nothing weighs there, but where it is is known.
+        for (thin, middle, reach) in [
+            (line, at(4.0, 0.5), 1.2 * scale),
+            (point, at(7.0, 7.0), 0.0),
+        ] {
+            let c = thin.centroid.unwrap();
+            let rounding = 1e-14 * middle.length();
+            assert!(
+                c.point.distance(middle) <= bounded(c.certainty) + rounding,
+                "{c:?}"
+            );
+            assert!(bounded(c.certainty) <= 2.0 * reach + rounding, "{c:?}");
+        }
+        let all = joint_centroid(&[square, line, point]);
+        assert_at(all.centroid.unwrap(), at(0.5, 0.5), scale);
+        assert_eq!(joint_centroid(&[line, point]).centroid, None);
+    }
+}
+
 fn solid(surfaces: &[SurfaceRef]) -> Solid {
     let mut found = solids(surfaces, None, &MILLIONTH);
     assert_eq!(found.len(), 1);
