@@ -10,8 +10,8 @@ use nappe::measure::{
 };
 use nappe::mesh::Certainty;
 use nappe::surface::{
-    Quadric, QuadricOptions, QuadricShape, Revolution, RevolutionOptions, SurfaceRef, Transformed,
-    bilinear,
+    Quadric, QuadricOptions, QuadricShape, Revolution, RevolutionOptions, SurfaceRef, Swapped,
+    Transformed, bilinear,
 };
 use nappe::{DAffine3, DMat3, DVec3, Frame};
 use std::f64::consts::{PI, TAU};
@@ -284,6 +284,29 @@ fn a_brick_turned_anyhow_has_its_principal_axes() {
     let cube = solid(&block(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z]));
     let turned = cube.inertia.unwrap().turned.map(bounded);
     assert!(turned.iter().all(|t| *t > 1.57), "{turned:?}");
+}
+
+#[test]
+fn faces_that_look_inwards_are_turned() {
+    for (scale, map) in places() {
+        let edges = [v(2.0, 0.0, 0.0), v(0.0, 3.0, 0.0), v(0.0, 0.0, 5.0)];
+        let corner = map.transform_point3(DVec3::ZERO);
+        let mut faces = block(corner, edges.map(|e| map.transform_vector3(e)));
+        // The first too, which the others are turned to agree with.
+        for k in [0, 2, 3] {
+            faces[k] = Arc::new(Swapped::new(faces[k].clone()));
+        }
+        let s = solid(&faces);
+        let inwards: Vec<_> = s.shell.surfaces.iter().filter(|f| f.1).collect();
+        assert_eq!(inwards.len(), 3);
+        assert!(inwards.iter().all(|f| [0, 2, 3].contains(&f.0)));
+        assert_near(s.shell.volume, 30.0 * scale.powi(3), 30.0 * scale.powi(3));
+        let centre = map.transform_point3(v(1.0, 1.5, 2.5));
+        assert_at(s.centroid.unwrap(), centre, scale);
+        let moments = v(34.0, 29.0, 13.0) * (30.0 * scale.powi(5) / 12.0);
+        let turn = map.matrix3 * (1.0 / scale);
+        assert_tensor(&s.inertia.unwrap(), moments, turn);
+    }
 }
 
 #[test]
