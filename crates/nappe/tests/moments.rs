@@ -10,8 +10,8 @@ use nappe::measure::{
 };
 use nappe::mesh::Certainty;
 use nappe::surface::{
-    Quadric, QuadricOptions, QuadricShape, Revolution, RevolutionOptions, SurfaceRef, Transformed,
-    bilinear,
+    Quadric, QuadricOptions, QuadricShape, Revolution, RevolutionOptions, SurfaceRef, Swapped,
+    Transformed, bilinear,
 };
 use nappe::{DAffine3, DMat3, DVec3, Frame};
 use std::f64::consts::{PI, TAU};
@@ -142,6 +142,33 @@ fn the_centroid_of_parts_is_that_of_the_whole() {
     assert_eq!(joint_centroid(&[]).centroid, None);
 }
 
+#[test]
+fn parts_without_area_do_not_hide_the_centroid_of_the_rest() {
+    let flat = |p: [[DVec3; 2]; 2]| area_centroid(&bilinear(p).unwrap(), &MILLIONTH);
+    for (scale, map) in places() {
+        let at = |x: f64, y: f64| map.transform_point3(v(x, y, 0.0));
+        let square = flat([[at(0.0, 0.0), at(0.0, 1.0)], [at(1.0, 0.0), at(1.0, 1.0)]]);
+        let line = flat([[at(3.0, 0.0); 2], [at(5.0, 1.0); 2]]);
+        let point = flat([[at(7.0, 7.0); 2]; 2]);
+        // Nothing weighs there, but where it is is known.
+        for (thin, middle, reach) in [
+            (line, at(4.0, 0.5), 1.2 * scale),
+            (point, at(7.0, 7.0), 0.0),
+        ] {
+            let c = thin.centroid.unwrap();
+            let rounding = 1e-14 * middle.length();
+            assert!(
+                c.point.distance(middle) <= bounded(c.certainty) + rounding,
+                "{c:?}"
+            );
+            assert!(bounded(c.certainty) <= 2.0 * reach + rounding, "{c:?}");
+        }
+        let all = joint_centroid(&[square, line, point]);
+        assert_at(all.centroid.unwrap(), at(0.5, 0.5), scale);
+        assert_eq!(joint_centroid(&[line, point]).centroid, None);
+    }
+}
+
 fn solid(surfaces: &[SurfaceRef]) -> Solid {
     let mut found = solids(surfaces, None, &MILLIONTH);
     assert_eq!(found.len(), 1);
@@ -257,6 +284,29 @@ fn a_brick_turned_anyhow_has_its_principal_axes() {
     let cube = solid(&block(DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z]));
     let turned = cube.inertia.unwrap().turned.map(bounded);
     assert!(turned.iter().all(|t| *t > 1.57), "{turned:?}");
+}
+
+#[test]
+fn faces_that_look_inwards_are_turned() {
+    for (scale, map) in places() {
+        let edges = [v(2.0, 0.0, 0.0), v(0.0, 3.0, 0.0), v(0.0, 0.0, 5.0)];
+        let corner = map.transform_point3(DVec3::ZERO);
+        let mut faces = block(corner, edges.map(|e| map.transform_vector3(e)));
+        // The first too, which the others are turned to agree with.
+        for k in [0, 2, 3] {
+            faces[k] = Arc::new(Swapped::new(faces[k].clone()));
+        }
+        let s = solid(&faces);
+        let inwards: Vec<_> = s.shell.surfaces.iter().filter(|f| f.1).collect();
+        assert_eq!(inwards.len(), 3);
+        assert!(inwards.iter().all(|f| [0, 2, 3].contains(&f.0)));
+        assert_near(s.shell.volume, 30.0 * scale.powi(3), 30.0 * scale.powi(3));
+        let centre = map.transform_point3(v(1.0, 1.5, 2.5));
+        assert_at(s.centroid.unwrap(), centre, scale);
+        let moments = v(34.0, 29.0, 13.0) * (30.0 * scale.powi(5) / 12.0);
+        let turn = map.matrix3 * (1.0 / scale);
+        assert_tensor(&s.inertia.unwrap(), moments, turn);
+    }
 }
 
 #[test]

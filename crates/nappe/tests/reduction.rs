@@ -208,7 +208,10 @@ fn surfaces_need_few_knots_and_keep_poles_and_corners() {
                 "{name}: {found:e} {bound:e}"
             );
             assert!(bound <= 100.0 * found, "{name}: {found:e} {bound:e}");
-            assert!(m[0] * m[1] <= n[0] * n[1], "{name}");
+            assert!(
+                n[0] * n[1] < 200 || 2 * m[0] * m[1] <= n[0] * n[1],
+                "{name}: {n:?} {m:?}"
+            );
         }
     }
     let few = approximate_surface(&sphere, 1e-3).unwrap();
@@ -242,5 +245,48 @@ fn surfaces_come_back() {
             .unwrap();
         let e = error(back.certainty);
         assert!(surfaces_apart(&s, &back.nurbs) <= e && e < 1e-11, "{e:e}");
+    }
+}
+
+#[test]
+fn a_rational_side_that_is_one_point_stays_one() {
+    // A pole far from the origin; weights differ along it.
+    let pole = v(0.1, 700.3, -0.7);
+    let kv = knots(3, &[0.25, 0.5, 0.75]);
+    let n = kv.len() - 4;
+    let mut next = noise(5);
+    let mut points = vec![pole; n];
+    points.extend((0..2 * n).map(|_| pole + v(next(), next(), next())));
+    let line: Vec<f64> = (0..n).map(|_| 1.0 + 0.3 * next()).collect();
+    let weights = [&line[..], &line, &line].concat();
+    let s = NurbsSurface::new([2, 3], [knots(2, &[]), kv], &points, Some(&weights)).unwrap();
+    let more = s.refined(Dir::V, &[0.1, 0.3, 0.6]).unwrap();
+    let few = more.with_fewer_knots(1e-9).unwrap();
+    let low = s.with_lower_degrees([2, 2]).unwrap();
+    assert_eq!(few.nurbs.size(), [3, n]);
+    for found in [few, low] {
+        let columns = found.nurbs.size()[1];
+        for p in &found.nurbs.control_points()[..columns] {
+            // Products with weights, divided again.
+            assert!(
+                p.distance(pole) <= 4.0 * f64::EPSILON * pole.length(),
+                "{p}"
+            );
+        }
+        assert!(surfaces_apart(&s, &found.nurbs) <= error(found.certainty) + 1e-12);
+    }
+}
+
+#[test]
+fn what_cannot_go_is_given_back_exactly() {
+    let mut next = noise(3);
+    let points: Vec<DVec3> = (0..25).map(|_| v(next(), next(), next())).collect();
+    let k = knots(3, &[0.4]);
+    let s = NurbsSurface::new([3, 3], [k.clone(), k], &points, None).unwrap();
+    for found in [s.with_fewer_knots(1e-9), s.with_lower_degrees([3, 3])] {
+        let found = found.unwrap();
+        assert_eq!(found.certainty, Certainty::Exact);
+        assert_eq!(found.nurbs.control_points(), s.control_points());
+        assert_eq!(found.nurbs.basis_u().knots(), s.basis_u().knots());
     }
 }

@@ -50,6 +50,7 @@ pub(super) fn developable(d: Developable) -> &'static str {
     match d {
         Developable::Proven => "proven",
         Developable::Within(_) => "within the bound",
+        Developable::InPieces(_) => "in pieces",
         Developable::No => "no",
         Developable::Unknown => "not known",
     }
@@ -66,12 +67,9 @@ pub(super) fn integral(m: Measured) -> String {
     }
 }
 
-/// A radius of curvature beyond all models, in their unit: that rounding tells from straight.
-const HUGE: f64 = 1e12;
-
-/// The radius of the ball that fits.
-pub(super) fn room(ball: RollingBall) -> String {
-    if ball.at_least >= HUGE {
+/// The radius of the ball that fits; any, if that is larger than a length.
+pub(super) fn room(ball: RollingBall, huge: f64) -> String {
+    if ball.at_least >= huge {
         return "any".to_owned();
     }
     let found = if ball.radius.is_infinite() {

@@ -11,8 +11,8 @@ use crate::text::{Table, bound, number, torn};
 use nappe::Box3;
 use nappe::exact::NurbsSurface;
 use nappe::measure::{
-    AreaCentroid, CurvatureExtremes, Extent, Extreme, IntegralOptions, Measured, SearchOptions,
-    Shell, Solid, TotalCurvature, VolumeError, area_centroid, curvature_extremes,
+    AreaCentroid, CurvatureExtremes, Extent, Extreme, IntegralOptions, Measured, RollingBall,
+    SearchOptions, Shell, Solid, TotalCurvature, VolumeError, area_centroid, curvature_extremes,
     curvature_variation, extent, joint_centroid, rolling_balls, solids, tear, total_curvature,
 };
 use nappe::mesh::{Certainty, Joints, joints};
@@ -30,7 +30,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// r_u × r_v: where the surface bends towards it the mean curvature is positive.
 ///
 /// The room for a tool is the radius of the largest ball that touches a surface from the side of its normal, or from
-/// behind, without being stopped by its curvature. Inertia is that of a solid of density 1 about its centroid.
+/// behind, without being stopped by its curvature or a crease in it; where it meets others is not looked at. Inertia is that of a solid of density 1 about its centroid.
 ///
 /// Sides are one, and surfaces closed, if the mesh would join them: within a twentieth of its tolerance. Surfaces that
 /// close up make a shell; its volume is what it encloses unless surfaces pass through themselves or each other, which
@@ -65,6 +65,8 @@ const BENDING: IntegralOptions = IntegralOptions {
     relative: 1e-3,
     budget: 1000,
 };
+/// A radius of curvature that is none for a model, in sizes of the surface.
+const HUGE: f64 = 1e6;
 const SEARCH: SearchOptions = SearchOptions {
     relative: 1e-3,
     budget: 300,
@@ -121,6 +123,8 @@ struct SurfaceFacts {
     area: AreaCentroid,
     extent: Option<Extent>,
     curvature: Option<CurvatureExtremes>,
+    /// The room on the side of the normal and behind.
+    balls: Option<[RollingBall; 2]>,
     /// Total curvature and its variation, if asked for.
     bending: Option<(TotalCurvature, Measured)>,
     closed: [bool; 2],
@@ -216,7 +220,11 @@ impl Facts {
                 head.row(["centroid of the area", &figures::place(&centroid, unit)]);
             }
             self.volumes(&mut head, model);
-            if let [one] = self.shells.as_slice() {
+            let named: Vec<&NamedSurface> = model.output().collect();
+            for one in &self.shells {
+                if self.shells.len() > 1 {
+                    head.row(["shell", &members(&one.shell, &named)]);
+                }
                 figures::rows(&mut head, one, unit);
             }
         }
@@ -287,10 +295,10 @@ impl Facts {
             those.map(|f| names[f.0]).collect()
         };
         // Seen from outside: on the side of the normal where that points outwards.
-        let balls = shell.surfaces.iter().map(|&(k, inwards)| {
-            let both = rolling_balls(self.surfaces[k].curvature.as_ref()?);
-            Some(both[usize::from(inwards)])
-        });
+        let balls = shell
+            .surfaces
+            .iter()
+            .map(|&(k, inwards)| Some(self.surfaces[k].balls?[usize::from(inwards)]));
         let concave = balls
             .collect::<Option<Vec<_>>>()
             .and_then(figures::smallest);
@@ -300,7 +308,7 @@ impl Facts {
             "normals_inwards": named(true),
             "centroid": solid.centroid.map(figures::centroid_json),
             "inertia": solid.inertia.map(figures::inertia_json),
-            "smallest_concave_radius": concave.map(figures::ball_json),
+            "smallest_concave_radius_within_surfaces": concave.map(figures::ball_json),
         })
     }
 
@@ -355,9 +363,10 @@ impl Facts {
         let room = format!("room for a tool in {unit}");
         let mut table = Table::headed(["surface", &room, "behind"]);
         for (s, f) in model.output().zip(&self.surfaces) {
-            let [front, back] = f.curvature.as_ref().map_or_else(
+            let size = f.extent.as_ref().map_or(0.0, |e| e.hull.diagonal());
+            let [front, back] = f.balls.map_or_else(
                 || [String::new(), String::new()],
-                |c| rolling_balls(c).map(figures::room),
+                |balls| balls.map(|b| figures::room(b, HUGE * size)),
             );
             table.row([s.name.clone(), front, back]);
         }
@@ -440,13 +449,17 @@ impl SurfaceFacts {
                 sides.contains(&(index, a)) && sides.contains(&(index, b))
             })
         };
+        let curvature = curvature_extremes(surface.as_ref(), &SEARCH);
         SurfaceFacts {
             nurbs: surface.to_nurbs(),
             shape: surface.to_rational(),
             torn: tear(surface.as_ref()),
             area: area_centroid(surface.as_ref(), &INTEGRALS),
             extent: extent(surface.as_ref(), &SEARCH),
-            curvature: curvature_extremes(surface.as_ref(), &SEARCH),
+            balls: curvature
+                .as_ref()
+                .map(|c| rolling_balls(surface.as_ref(), c)),
+            curvature,
             bending: bending.then(|| {
                 let total = total_curvature(surface.as_ref(), &BENDING);
                 (total, curvature_variation(surface.as_ref(), &BENDING))
@@ -489,7 +502,7 @@ impl SurfaceFacts {
             "gaussian_curvature": self.curvature.as_ref().map(|c| c.gaussian.map(extreme_json)),
             "mean_curvature": self.curvature.as_ref().map(|c| c.mean.map(extreme_json)),
             "smallest_radius": self.curvature.as_ref().map(|c| c.smallest_radius).filter(|r| r.is_finite()),
-            "rolling_balls": self.curvature.as_ref().map(|c| figures::balls_json(rolling_balls(c))),
+            "rolling_balls": self.balls.map(figures::balls_json),
             "total_curvature": self.bending.map(|b| measured_json(b.0.value)),
             "developable": self.bending.map(|b| figures::developable(b.0.developable)),
             "curvature_variation": self.bending.map(|b| measured_json(b.1)),

@@ -104,16 +104,15 @@ fn centroid_and_inertia_of_a_can_and_how_it_bends() {
     assert_measured(&tensor[2][2], mass * 2.0);
     let principal = &shell["inertia"]["principal"];
     assert_measured(&principal[0], across.min(mass * 2.0));
+    // From outside any ball touches everywhere; inside none gets into the edges.
     let balls = &info["surfaces"][0]["rolling_balls"];
     let radius = |side: &str| balls[side]["radius"].as_f64().unwrap_or(f64::INFINITY);
-    let both = [radius("normal_side"), radius("behind")];
-    assert!((both[0].min(both[1]) - 2.0).abs() < 1e-9, "{balls}");
-    // Two discs and a cylinder in one surface: nothing bends both ways.
+    let mut both = [radius("normal_side"), radius("behind")];
+    both.sort_by(f64::total_cmp);
+    assert_eq!(both, [0.0, f64::INFINITY], "{balls}");
+    // Two discs and a cylinder in one surface: its pieces can be laid flat, the can cannot.
     let can = &info["surfaces"][0];
-    assert!(
-        can["developable"] != "no" && can["developable"] != "not known",
-        "{can}"
-    );
+    assert_eq!(can["developable"], "in pieces", "{can}");
     let total = can["total_curvature"]["value"].as_f64().unwrap();
     assert!(total.abs() < 1e-6, "{total}");
     // Only if asked for.

@@ -1,18 +1,17 @@
 //! Splines with fewer knots or a lower degree, within a proven distance.
 //!
 //! The smaller spline interpolates the given one at the averages of its knots (Greville's abscissae), which gives back what
-//! already lies in the smaller space, and ends exactly where it ended. Then both are written over common knots in a
+//! already lies in the smaller space, and ends exactly where it ended. Then both are written as Bézier pieces of a
 //! common degree, where each is an average of its control points: no point of the surface moves farther than a control
 //! point does. Which knots may go is guessed from what removing each alone would move, and halved until the bound
 //! holds. Source: Lyche and Mørken, *Knot removal for parametric B-spline curves and surfaces* (1987); here with
 //! interpolation instead of least squares, and with the bound for rational splines.
 
-use super::curve_tools::unify;
 use super::nurbs_curve::middle;
-use super::spline::{Row, Spline};
+use super::spline::{Row, Spline, elevate};
 use super::{ApproximationError, Converted, NurbsCurve, NurbsSurface};
 use crate::basis::{BSplineBasis, Functions};
-use crate::breaks::Limit;
+use crate::breaks::{Break, Limit};
 use crate::linear::Banded;
 use crate::mesh::Certainty;
 use crate::surface::Dir;
@@ -63,11 +62,11 @@ impl NurbsSurface {
         for (dir, share) in [(Dir::U, 0.5), (Dir::V, 1.0)] {
             let (s, e) = fewer_knots(out.to_spline(dir).clamped(), share * tol - error);
             out = out.with_spline(dir, s)?;
-            error += e;
+            error = sum(error, e);
         }
         Ok(Converted {
             nurbs: out,
-            certainty: certainty(error.next_up()),
+            certainty: certainty(error),
             same_parameters: true,
         })
     }
@@ -82,11 +81,11 @@ impl NurbsSurface {
         for (dir, degree) in [Dir::U, Dir::V].into_iter().zip(degrees) {
             let (s, e) = lower_degree(out.to_spline(dir).clamped(), degree)?;
             out = out.with_spline(dir, s)?;
-            error += e;
+            error = sum(error, e);
         }
         Ok(Converted {
             nurbs: out,
-            certainty: certainty(error.next_up()),
+            certainty: certainty(error),
             same_parameters: true,
         })
     }
@@ -97,6 +96,15 @@ fn check(tol: f64) -> Result<(), ApproximationError> {
         Ok(())
     } else {
         Err(ApproximationError::Tolerance { tol })
+    }
+}
+
+/// Bounds that add up; without a change on one side without rounding.
+fn sum(a: f64, b: f64) -> f64 {
+    if a == 0.0 || b == 0.0 {
+        a + b
+    } else {
+        (a + b).next_up()
     }
 }
 
@@ -167,6 +175,12 @@ const CREASE: f64 = 1e-11;
 /// The inner knots that alone could go, the least needed first; of those that matter little next to `tol`, far ones before
 /// neighbours.
 fn dispensable(s: &Spline, tol: f64) -> Vec<f64> {
+    // Measured from the middle of the points, homogeneous data is small.
+    let mut s = s.clone();
+    let o = middle(&s.rows.concat());
+    for p in s.rows.iter_mut().flatten() {
+        *p = (p.xyz() - o * p.w).extend(p.w);
+    }
     let inner = s.breaks();
     let start = &s.rows[0];
     let from_start = s.rows.iter().flat_map(|r| r.iter().zip(start));
@@ -221,6 +235,10 @@ fn lower_degree(s: Spline, degree: usize) -> Result<(Spline, f64), Approximation
     }
 }
 
+/// Relative to its largest coordinate: points of a net line that differ by no more are one point, multiplied with its
+/// weights and divided by them.
+const SAME_POINT: f64 = 2.0 * f64::EPSILON;
+
 /// The spline over clamped knots that interpolates another at the averages of `degree` knots.
 fn fitted(s: &Spline, degree: usize, knots: Vec<f64>) -> Option<Spline> {
     let basis = BSplineBasis::new(degree, knots.clone()).ok()?;
@@ -269,6 +287,23 @@ fn fitted(s: &Spline, degree: usize, knots: Vec<f64>) -> Option<Spline> {
             side.fill(s.rows[0][k / 4].w);
         }
     }
+    for k in 0..width {
+        let point = |r: &Row| r[k].xyz() / r[k].w;
+        let first = point(&s.rows[0]);
+        let near = SAME_POINT * first.abs().max_element();
+        if s.rows
+            .iter()
+            .all(|r| (point(r) - first).abs().max_element() <= near)
+        {
+            // A net line that is one point, with weights that differ.
+            for i in 0..n {
+                let w = sides[4 * k + 3][i];
+                for (c, x) in first.to_array().into_iter().enumerate() {
+                    sides[4 * k + c][i] = x * w;
+                }
+            }
+        }
+    }
     let row = |i: usize| -> Row {
         let point = |k: usize| DVec4::from_array([0, 1, 2, 3].map(|c| sides[4 * k + c][i]));
         (0..width).map(point).collect()
@@ -288,27 +323,35 @@ fn fitted(s: &Spline, degree: usize, knots: Vec<f64>) -> Option<Spline> {
 /// Rounding errors of points that were averaged `n` times, in units in the last place of the largest.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// How far two clamped splines over one domain are apart at equal parameters, at most. Infinite if a weight is not positive.
+/// The Bézier points of all pieces between breaks, in a degree that is not lower. Each is an average of control points.
+fn bezier(s: &Spline, breaks: &[Break], degree: usize) -> Vec<DVec4> {
+    let mut s = s.clone();
+    for b in &breaks[1..breaks.len() - 1] {
+        s.raise(b.at, s.degree);
+    }
+    let mut points = Vec::new();
+    for mut piece in s.pieces().1 {
+        for p in s.degree..degree {
+            piece = elevate(&piece, p);
+        }
+        points.extend(piece.into_iter().flatten());
+    }
+    points
+}
+
+/// How far two clamped splines over one domain are apart at equal parameters, at most; the knots of the other are among
+/// those of the first. Infinite if a weight is not positive.
 ///
 /// About a point o: `r - r' = (ΔA - (r' - o) Δw) / w` with the homogeneous coordinates A = w (r - o). All three are averages of
 /// those of the control points.
 fn deviation(s: &Spline, other: &Spline) -> f64 {
     let degree = s.degree.max(other.degree);
-    let count = s.rows.len() + degree * degree;
-    let mut both = [s, other].map(|s| {
-        if s.degree < degree {
-            s.clone().elevated(degree)
-        } else {
-            s.clone()
-        }
-    });
-    unify(&mut both);
-    let [a, b] = &both;
-    if a.knots != b.knots || a.rows.len() != b.rows.len() {
+    let count = s.rows.len() + degree * (degree + 2);
+    let breaks = s.breaks();
+    let [points, others] = [s, other].map(|s| bezier(s, &breaks, degree));
+    if points.len() != others.len() {
         return f64::INFINITY;
     }
-    let points: Vec<DVec4> = a.rows.iter().flatten().copied().collect();
-    let others: Vec<DVec4> = b.rows.iter().flatten().copied().collect();
     let o = middle(&points);
     let least = points
         .iter()

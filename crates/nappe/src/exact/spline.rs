@@ -265,7 +265,7 @@ fn distance(a: &Row, b: &Row) -> f64 {
 }
 
 /// A Bézier piece with its degree p raised by one.
-fn elevate(piece: &[Row], p: usize) -> Vec<Row> {
+pub(super) fn elevate(piece: &[Row], p: usize) -> Vec<Row> {
     let n = (p + 1) as f64;
     (0..=p + 1)
         .map(|i| match i {

@@ -40,7 +40,8 @@ impl Centroid {
 pub struct AreaCentroid {
     /// The area.
     pub area: Measured,
-    /// The centroid `∫ r dA / ∫ dA`; `None` if the area is not known to be more than 0.
+    /// The centroid `∫ r dA / ∫ dA`. If the area is not known to be more than 0 it may be anywhere in a box around the
+    /// surface; `None` if that is not bounded, or the area of several surfaces together not known to be more than 0.
     pub centroid: Option<Centroid>,
 }
 
@@ -104,10 +105,15 @@ pub fn area_centroid(surface: &dyn Surface, options: &IntegralOptions) -> AreaCe
             [w, r.x, r.y, r.z]
         })
     };
+    let anywhere = || {
+        let hull = surface.bounds(surface.domain());
+        (hull.is_finite())
+            .then(|| Centroid::enclosed(hull.mid(), hull - Box3::point(hull.mid()), true))
+    };
     if area.is_finite() && is_close(area) {
         return AreaCentroid {
             area: measured(area, f64::NAN),
-            centroid: quotient(reference, area, [x, y, z], true),
+            centroid: quotient(reference, area, [x, y, z], true).or_else(anywhere),
         };
     }
     let sampled = sampled();
@@ -118,7 +124,7 @@ pub fn area_centroid(surface: &dyn Surface, options: &IntegralOptions) -> AreaCe
         } else {
             sampled[0]
         },
-        centroid: quotient(reference, a, [x, y, z], false),
+        centroid: quotient(reference, a, [x, y, z], false).or_else(anywhere),
     }
 }
 
@@ -150,12 +156,7 @@ pub fn joint_centroid(parts: &[AreaCentroid]) -> AreaCentroid {
         let mut proven = true;
         for part in parts {
             let a = Interval::point(part.area.value).inflate(part.area.certainty.error());
-            let c = match part.centroid {
-                Some(c) => c,
-                // What has no area has no weight.
-                None if a.mag() == 0.0 => continue,
-                None => return None,
-            };
+            let c = part.centroid?;
             proven &= ![part.area.certainty, c.certainty]
                 .iter()
                 .any(|c| matches!(c, Certainty::Estimated(_)));

@@ -32,7 +32,9 @@ const SMALL: f64 = 1e-6;
 ///
 /// Over the analytic pieces; jumps of the curvature in between are not counted. Infinite where curvature is proven to grow
 /// without bound towards a side that is one point, as at the tip of a cone. Proven unless the surface cannot enclose its
-/// derivatives or has no tangent plane somewhere. Cost: at most `options.budget` enclosures of order 10 (beside a pole 12).
+/// derivatives or has no tangent plane somewhere. What is a plane or a
+/// circular cylinder within rounding has 0. Cost: at most `options.budget` enclosures of order 10 (beside a pole 12), or one
+/// for each analytic piece.
 pub fn curvature_variation(surface: &dyn Surface, options: &IntegralOptions) -> Measured {
     if let Some(Elementary::Plane { .. } | Elementary::Cylinder { .. }) = surface.elementary() {
         return Measured {
@@ -127,7 +129,8 @@ fn variation(form: &ShapeForm) -> Twin {
     let sum = t0.sqr().add(&t1.sqr().add(&t2.sqr()).scale(3.0));
     // |∇II|² |r_u × ρ|
     let density = sum.mul(&w).div(&e).add(&t3.sqr().mul(&e).div(&w));
-    let below = form.offset[0].lo < 0.0;
+    // An offset from 0 may be rounded to a little less.
+    let below = form.offset[0].mid() < 0.0;
     density.mul(&x).scale(if below { -1.0 } else { 1.0 })
 }
 

@@ -7,6 +7,7 @@
 //!
 //! Source: do Carmo, *Differential geometry of curves and surfaces*, §3.3.
 
+use super::crease::sharpest;
 use super::integral::{
     Expansion, Form, Goal, IntegralOptions, Measured, estimate, halved, integrate, is_close,
     measured,
@@ -15,8 +16,8 @@ use super::model::{Model, cross, dot, square, weight};
 use super::shape::{exchanged, poles};
 use super::size;
 use super::taylor::{Patch, Taylor};
-
 use crate::box3::Box3;
+use crate::breaks::Breaks;
 use crate::interval::Interval;
 use crate::mesh::Certainty;
 use crate::surface::{Dir, Elementary, Surface, SurfaceJet};
@@ -24,10 +25,14 @@ use crate::surface::{Dir, Elementary, Surface, SurfaceJet};
 /// Whether a surface can be laid flat without stretching.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Developable {
-    /// It can: its Gaussian curvature is 0 everywhere, as that of a plane or a circular cylinder.
+    /// It can: its Gaussian curvature is 0 everywhere, as that of a plane or a circular cylinder (which a surface is within
+    /// rounding, 1e-13 of its size).
     Proven,
-    /// Nothing tells it from one that can: `∫ |K| dA` is at most this, in steradians, and may be 0.
+    /// Nothing tells it from one that can: `∫ |K| dA` is at most this, in steradians, no more than 1e-6, and may be 0.
     Within(f64),
+    /// Its pieces can, within this bound, but there are creases between them: a fold along a straight line can be laid
+    /// flat, the rim of a can cannot.
+    InPieces(f64),
     /// It cannot: `∫ |K| dA` is greater than 0, by proof.
     No,
     /// Nothing is proven.
@@ -48,12 +53,15 @@ pub struct TotalCurvature {
 const DEGREE: usize = 7;
 /// In steradians: an area of the Gauss image that is small enough whatever the rest is.
 const SMALL: f64 = 1e-9;
+/// In steradians: a greater bound does not say that a surface is developable.
+const MOST: f64 = 1e-6;
 
 /// The total absolute curvature `∫ |K| dA` over the analytic pieces of a surface. What is concentrated in creases or in the
 /// tip of a cone is not counted: there the surface is not smooth.
 ///
 /// Proven unless the surface cannot enclose its derivatives or has no tangent plane somewhere (but at sides that are one
-/// point it may have none). Cost: at most `options.budget` enclosures of order 10 or 11.
+/// point it may have none). What is a plane or a circular cylinder within rounding has 0. Cost: at most `options.budget`
+/// enclosures of order 10 or 11, or one for each analytic piece.
 pub fn total_curvature(surface: &dyn Surface, options: &IntegralOptions) -> TotalCurvature {
     if let Some(Elementary::Plane { .. } | Elementary::Cylinder { .. }) = surface.elementary() {
         return TotalCurvature {
@@ -91,18 +99,27 @@ pub fn total_curvature(surface: &dyn Surface, options: &IntegralOptions) -> Tota
         sampled().value
     };
     let developable = match found {
-        Interval::ZERO => Developable::Proven,
         _ if found.lo > 0.0 => Developable::No,
+        _ if found.hi > MOST => Developable::Unknown,
+        _ if sharpest(surface).iter().any(Option::is_some) => Developable::InPieces(found.hi),
+        // Creases are found by samples: none found is no proof.
+        Interval::ZERO if is_smooth(surface) => Developable::Proven,
         _ => Developable::Within(found.hi),
     };
-    let value = match developable {
-        Developable::Proven => Measured {
+    let value = match found {
+        Interval::ZERO => Measured {
             value: 0.0,
             certainty: Certainty::Exact,
         },
         _ => measured(found, best),
     };
     TotalCurvature { value, developable }
+}
+
+/// True if the tangents are continuous.
+fn is_smooth(surface: &dyn Surface) -> bool {
+    let below = |dir| surface.breaks(dir).below(1);
+    [Dir::U, Dir::V].into_iter().all(|d| below(d).is_empty())
 }
 
 /// `n·(n_u × n_v)` over a box.

@@ -19,7 +19,8 @@ use std::collections::BinaryHeap;
 pub struct IntegralOptions {
     /// The error aimed at, relative to the result.
     pub relative: f64,
-    /// The most boxes for each surface. If they do not suffice the certainty says what was reached.
+    /// The most boxes for each surface, but at least one for each analytic piece. If they do not suffice the certainty says
+    /// what was reached.
     pub budget: usize,
 }
 
@@ -214,7 +215,9 @@ fn over_box(
     let parts = form.integrands.iter().zip(units).map(|(f, unit)| {
         if let Some(plain) = f.plain() {
             lost = true;
-            return Part::new(plain * size, 0.0);
+            let value = plain * size;
+            let value = if form.absolute { value.abs() } else { value };
+            return Part::new(value, 0.0);
         }
         let (part, share) = match f {
             Expansion::Enclosed([wide, narrow]) => one(wide, narrow, &powers, size),
@@ -402,7 +405,7 @@ pub(super) struct Goal<'a> {
     pub(super) relative: f64,
     /// An error that is small enough whatever the integrals are, in units.
     pub(super) least: f64,
-    /// The most boxes for each surface.
+    /// The most boxes for each surface, but for one for each analytic piece.
     pub(super) budget: usize,
 }
 
@@ -508,7 +511,7 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.339_981_043_584_856_26, 0.652_145_154_862_546_2],
     [0.861_136_311_594_052_6, 0.347_854_845_137_453_85],
 ];
-/// Subdivisions of each analytic piece, along each direction, for an estimate.
+/// Subdivisions along each direction for an estimate; each analytic piece has at least one.
 const COARSE: usize = 8;
 
 /// Integrals of functions of the jet of this order without proof: the difference of two rules estimates the errors.
@@ -517,17 +520,18 @@ pub(super) fn estimate<const N: usize>(
     order: usize,
     f: &dyn Fn(&[DVec3]) -> [f64; N],
 ) -> [Measured; N] {
-    let rule = |n: usize| {
+    let (bu, bv) = (surface.breaks(Dir::U), surface.breaks(Dir::V));
+    let coarse = [bu, bv].map(|b| COARSE.div_ceil(b.pieces()));
+    let rule = |[nu, nv]: [usize; 2]| {
         let mut sum = [0.0; N];
-        let (bu, bv) = (surface.breaks(Dir::U), surface.breaks(Dir::V));
-        for a in 0..bu.pieces() * n {
-            for b in 0..bv.pieces() * n {
-                let part = |piece: Interval, k: usize| {
+        for a in 0..bu.pieces() * nu {
+            for b in 0..bv.pieces() * nv {
+                let part = |piece: Interval, k: usize, n: usize| {
                     let h = (piece.hi - piece.lo) / n as f64;
                     [piece.lo + h * (k as f64 + 0.5), 0.5 * h]
                 };
-                let [um, uh] = part(bu.piece(a / n), a % n);
-                let [vm, vh] = part(bv.piece(b / n), b % n);
+                let [um, uh] = part(bu.piece(a / nu), a % nu, nu);
+                let [vm, vh] = part(bv.piece(b / nv), b % nv, nv);
                 for [s, ws] in GAUSS {
                     for [t, wt] in GAUSS {
                         let p = [um + s * uh, vm + t * vh];
@@ -541,7 +545,7 @@ pub(super) fn estimate<const N: usize>(
         }
         sum
     };
-    let (coarse, fine) = (rule(COARSE), rule(2 * COARSE));
+    let (coarse, fine) = (rule(coarse), rule(coarse.map(|n| 2 * n)));
     std::array::from_fn(|k| Measured {
         value: fine[k],
         certainty: Certainty::Estimated((fine[k] - coarse[k]).abs()),
@@ -567,4 +571,43 @@ const LOOSE: f64 = 0.01;
 /// True if the middle of a bound is a better guess than samples.
 pub(super) fn is_close(i: Interval) -> bool {
     i.width() <= LOOSE * i.mag()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::bilinear;
+
+    #[test]
+    fn absolute_values_of_what_is_not_expanded_are_not_negative() {
+        let plane = bilinear([
+            [DVec3::ZERO, DVec3::Y],
+            [DVec3::X, DVec3::new(1.0, 1.0, 0.0)],
+        ]);
+        for absolute in [false, true] {
+            let integrand = |_: &dyn Surface, uv: [Interval; 2]| {
+                let mut wide = Taylor {
+                    degree: DEGREE,
+                    c: vec![Interval::ENTIRE; crate::surface::jet_len(DEGREE)],
+                };
+                wide.c[0] = Interval::new(-2.0, -1.0);
+                Ok(Form {
+                    integrands: vec![Expansion::Enclosed([wide.clone(), wide])],
+                    offset: uv.map(|t| t - Interval::point(t.mid())),
+                    exchanged: false,
+                    absolute,
+                    weight: None,
+                })
+            };
+            let options = IntegralOptions {
+                budget: 1,
+                ..Default::default()
+            };
+            let plane = plane.as_ref().unwrap();
+            let found = integrate(&[plane], &integrand, &Goal::one(&options))[0][0];
+            let [lo, hi] = if absolute { [1.0, 2.0] } else { [-2.0, -1.0] };
+            assert!(found.lo <= lo && found.hi >= hi, "{found:?}");
+            assert!(found.width() < 1.0 + 1e-12, "{found:?}");
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use super::integral::{halved, turning};
 use super::taylor::{Patch, Taylor};
 use crate::box3::Box3;
-use crate::breaks::Limit;
+use crate::breaks::{Breaks, Limit};
 use crate::interval::Interval;
 use crate::surface::{Dir, Surface, jet_index, jet_len};
 
@@ -125,9 +125,12 @@ const PLACES: usize = 9;
 
 /// True if the side of the box where the parameter `d` has the value `at` is one point, within rounding.
 fn is_point(surface: &dyn Surface, uv: [Interval; 2], d: usize, at: f64, size: f64) -> bool {
+    // The length of the side, not of the part along the box: a short part of a true side is no point.
+    let breaks = surface.breaks([Dir::U, Dir::V][1 - d]);
+    let piece = breaks.piece(breaks.find(uv[1 - d].mid(), Limit::Above));
     // A box of no width along the side cannot tell.
     let other = if uv[1 - d].is_point() {
-        surface.domain()[1 - d]
+        piece
     } else {
         uv[1 - d]
     };
@@ -139,7 +142,7 @@ fn is_point(surface: &dyn Surface, uv: [Interval; 2], d: usize, at: f64, size: f
         let mut p = [other.lo + (other.hi - other.lo) * (k as f64 + 0.5) / PLACES as f64; 2];
         p[d] = at;
         let tangent = surface.jet(p, limit, 1).d[2 - d];
-        tangent.length() * other.width() <= POINT * size
+        tangent.length() * piece.width() <= POINT * size
     })
 }
 
