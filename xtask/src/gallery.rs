@@ -216,6 +216,12 @@ const CHAPTERS: &[(&str, &[Picture])] = &[
                 "",
                 "A fillet around the foot of a pin, between a plane and a cylinder.",
             ),
+            Picture(
+                "fillet-box",
+                "fillet-box.png",
+                "",
+                "A chain of fillets round the upper edges of a box, with eighths of spheres in the corners.",
+            ),
         ],
     ),
 ];

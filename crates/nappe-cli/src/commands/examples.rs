@@ -55,6 +55,7 @@ const EXAMPLES: &[Example] = bundled![
     "diagonal-key-space",
     "diagonal-key-stitched",
     "duct",
+    "fillet-box",
     "fillet-cylinder",
     "fillet-planes",
     "hermite",
