@@ -11,8 +11,7 @@ use nappe::surface::{
     Fillet, FilletError, FilletOptions, Quadric, QuadricOptions, QuadricShape, Radius, SurfaceRef,
     bilinear, normal_at,
 };
-use nappe::{Breaks, DVec3, Dir, Frame, Interval, Limit, NurbsSurface, Surface};
-use std::f64::consts::PI;
+use nappe::{DVec3, Frame, Limit, NurbsSurface, Surface};
 use std::sync::Arc;
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
@@ -132,7 +131,7 @@ fn a_ball_on_a_plane_and_a_sphere_sweeps_a_torus() {
         )
         .unwrap();
         let size = 10.0 * scale + shift.length();
-        laws::surface(&f);
+        laws::surface_with(&f, 60);
         certify(&f, &supports, size);
         // The centre is at the height r, at R + r from the sphere's.
         let major = ((2.0 * scale + r).powi(2) - (0.5 * scale - r).powi(2)).sqrt();
@@ -180,8 +179,8 @@ fn between_planes_it_is_the_fillet_with_a_formula() {
         )
         .unwrap();
         assert!(exact.contacts(0).is_none(), "a formula");
-        let f = traced(&supports, radius, Default::default());
-        laws::surface(&f);
+        let f = traced(&supports, radius.clone(), Default::default());
+        laws::surface_with(&f, 60);
         certify(&f, &supports, 4.0);
         for i in 0..=40 {
             let u = i as f64 / 40.0;
@@ -205,7 +204,7 @@ fn round_a_cylinder_it_is_the_fillet_with_a_formula() {
         let radius = Radius::Constant(0.3);
         let exact = Fillet::new(&supports[0], &supports[1], radius.clone(), sides(side)).unwrap();
         let f = traced(&supports, radius, sides(side));
-        laws::surface(&f);
+        laws::surface_with(&f, 60);
         certify(&f, &supports, 12.0);
         let finder =
             Finder::new(&[Arc::new(exact) as SurfaceRef], FinderOptions::default()).unwrap();
@@ -237,7 +236,7 @@ fn two_pipes_have_closed_fillets() {
         (expression("0.4+0.1*cos(2*pi*u)"), [true, true]),
     ] {
         let f = traced(&supports, radius, sides(side));
-        laws::surface(&f);
+        laws::surface_with(&f, 60);
         certify(&f, &supports, 5.0);
         let gap = f.point([0.0, 0.3]) - f.point([1.0, 0.3]);
         assert!(gap.length() < 1e-12);
@@ -313,7 +312,7 @@ fn fifty_random_pairs_have_their_certificate() {
         let f = traced(&supports, radius, sides([true, true]));
         certify(&f, &supports, 6.0);
         if k < 4 {
-            laws::surface(&f);
+            laws::surface_with(&f, 60);
         }
         made += 1;
     }

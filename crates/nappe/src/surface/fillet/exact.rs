@@ -1,6 +1,6 @@
 //! Fillets whose spine has a formula: between two planes, and between a plane and a cylinder.
 
-use super::rolling_ball::{Cylinder, RollingBall, Track, prove};
+use super::rolling_ball::{Cylinder, RollingBall, Track, pieces, prove};
 use super::{BEYOND, Fillet, FilletError, FilletOptions, PARALLEL, Path, Radius, arc_sections};
 use crate::basis::BSplineBasis;
 use crate::breaks::Limit;
@@ -16,7 +16,9 @@ use std::sync::Arc;
 type Built = (Fillet, Arc<RollingBall>);
 
 fn build(ball: RollingBall, origin: DVec3) -> Result<Built, FilletError> {
-    if let Err((condition, at, margin)) = prove(&ball.breaks, |u| ball.margins(u, Limit::Above)) {
+    if let Err((condition, at, margin)) =
+        prove(pieces(&ball.breaks), |u| ball.margins(u, Limit::Above))
+    {
         let radius = ball.radius_value(at);
         return Err(match condition {
             0 => FilletError::Radius { at, value: radius },

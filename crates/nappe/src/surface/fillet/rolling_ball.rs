@@ -357,9 +357,15 @@ impl Functions for RollingBall {
     }
 }
 
-/// Proves that all margins over `[0, 1]` are positive, or returns which is not, where, and its value there.
+/// The analytic pieces.
+pub(super) fn pieces(breaks: &[Break]) -> Vec<Interval> {
+    (0..breaks.pieces()).map(|i| breaks.piece(i)).collect()
+}
+
+/// Proves that all margins over some ranges, each in one piece, are positive, or returns which is not, where, and its
+/// value there.
 pub(super) fn prove<const N: usize>(
-    breaks: &[Break],
+    ranges: Vec<Interval>,
     margins: impl Fn(Interval) -> [Interval; N],
 ) -> Result<(), (usize, f64, f64)> {
     /// Halvings before a margin that cannot be told from zero counts as zero.
@@ -368,8 +374,8 @@ pub(super) fn prove<const N: usize>(
     /// refused, not computed for minutes.
     const RANGES: usize = 20_000;
     let mut examined = 0;
-    for i in 0..breaks.pieces() {
-        let mut stack = vec![(breaks.piece(i), 0)];
+    for range in ranges {
+        let mut stack = vec![(range, 0)];
         while let Some((u, depth)) = stack.pop() {
             let over = margins(u);
             if over.iter().all(|m| m.lo > 0.0) {

@@ -24,6 +24,8 @@ const DEPTH: u32 = 24;
 const RANGES: usize = 20_000;
 /// How much wider than a first enclosure the box is in which the contacts are looked for.
 const WIDER: f64 = 1.5;
+/// What is added to the reach of each parameter, of the longest reach.
+const SHARE: f64 = 0.1;
 /// How many boxes are tried for a range.
 const TRIES: usize = 4;
 
@@ -165,8 +167,15 @@ impl Spine {
         let at = middle.map(Interval::point);
         let e = self.supports.expand(at, piece.within, 1);
         let residual = self.supports.residual(&e, &course, &inverse);
+        // Beside its own residual each parameter has a share of the longest, as a length: they act on each other.
+        let long = |j: usize| state.tangents[j].length();
+        let longest = (0..4)
+            .map(|j| residual[j].mag() * long(j))
+            .fold(0.0, f64::max);
         let mut reach: Place<f64> = std::array::from_fn(|j| {
-            WIDER * residual[j].mag() + 4.0 * f64::EPSILON * piece.within[j].mag()
+            WIDER * residual[j].mag()
+                + SHARE * longest / long(j)
+                + 4.0 * f64::EPSILON * piece.within[j].mag()
         });
         for _ in 0..TRIES {
             if !reach.iter().all(|r| r.is_finite()) {
@@ -183,7 +192,7 @@ impl Spine {
                 };
                 return Some((enclosed, x));
             }
-            reach = std::array::from_fn(|j| WIDER * (image[j] - at[j]).mag().max(reach[j]));
+            reach = std::array::from_fn(|j| WIDER * (image[j] - at[j]).mag());
         }
         None
     }
@@ -219,7 +228,12 @@ impl Spine {
             let first = cells.len();
             let mut stack = vec![(self.breaks.piece(i), 0)];
             while let Some((u, depth)) = stack.pop() {
-                match self.krawczyk(u, Limit::Above) {
+                // Small enough for what is asked of them.
+                let found = self.krawczyk(u, Limit::Above).filter(|(e, _)| {
+                    let (ball, _, _) = self.ball_over(u, Limit::Above, e, 2);
+                    regular(&ball).iter().all(|m| m.is_finite())
+                });
+                match found {
                     Some((_, x)) => cells.push(Cell { u, x }),
                     None if depth >= DEPTH || cells.len() >= RANGES => return Err(u.mid()),
                     None => {
@@ -243,6 +257,11 @@ impl Spine {
         }
         self.cells = cells;
         Ok(())
+    }
+
+    /// The ranges of u over which the contacts are enclosed at one go.
+    pub(super) fn ranges(&self) -> Vec<Interval> {
+        self.cells.iter().map(|c| c.u).collect()
     }
 
     /// Enclosures of the contacts over a range of u in one piece, cell by cell.

@@ -17,6 +17,8 @@ use glam::DVec3;
 const GUIDE: (usize, f64) = (5, 0.5);
 /// The most points of a guide.
 const MOST_POINTS: usize = 400;
+/// The cosine of the angle between the guide and the path, at least.
+const FOLLOWS: f64 = 0.9;
 /// The steps of the table in a piece of the guide, at least.
 const STEPS: f64 = 8.0;
 /// Relative to the range of u: the shortest step of the table, and places that are one.
@@ -52,8 +54,7 @@ pub(super) fn spine(
         fits: None,
     })?;
     let trace = choose(&search, middle, options.near)?;
-    let path = Path::new(&search, &radius, trace)?;
-    let guide = path.guide()?;
+    let (path, guide) = guided(&search, &radius, &trace)?;
     let walker = Walker {
         tracer: search.tracer(path.radius_at(0.0)?),
         supports: &supports,
@@ -71,9 +72,34 @@ pub(super) fn spine(
     if let Err(at) = spine.settle() {
         return Err(refused(&spine, 1, at, 0.0));
     }
-    match prove(&spine.breaks, |u| spine.margins(u, Limit::Above)) {
+    match prove(spine.ranges(), |u| spine.margins(u, Limit::Above)) {
         Ok(()) => Ok(spine),
         Err((condition, at, margin)) => Err(refused(&spine, condition, at, margin)),
+    }
+}
+
+/// The path with a guide that follows it: with too few points a spline may swing.
+fn guided<'a>(
+    search: &Search<'a>,
+    radius: &'a Radius,
+    trace: &Trace,
+) -> Result<(Path<'a>, NurbsCurve), FilletError> {
+    let mut count = (trace.turn / GUIDE.1).ceil() as usize + 1;
+    loop {
+        count = count.clamp(GUIDE.0 + 1, MOST_POINTS);
+        let path = Path::new(search, radius, trace, count)?;
+        let guide = path.guide()?;
+        let samples = 8 * count;
+        let follows = (0..=samples).all(|k| {
+            let u = k as f64 / samples as f64;
+            let (_, _, way) = trace.at(u);
+            let d = guide.jet(u, Limit::Above, 1).d[1];
+            d.dot(way) >= FOLLOWS * d.length()
+        });
+        if follows || count == MOST_POINTS {
+            return Ok((path, guide));
+        }
+        count *= 2;
     }
 }
 
@@ -197,8 +223,13 @@ struct Path<'a> {
 impl<'a> Path<'a> {
     /// Along the path of the middle radius. A ball of another radius at a share of the length is that share along its own
     /// path.
-    fn new(search: &Search<'a>, radius: &'a Radius, main: Trace) -> Result<Self, FilletError> {
-        let shares = shares(&main);
+    fn new(
+        search: &Search<'a>,
+        radius: &'a Radius,
+        main: &Trace,
+        count: usize,
+    ) -> Result<Self, FilletError> {
+        let shares = shares(main, count);
         let lost =
             |tracer: &Tracer, x: Place<f64>, centre: DVec3| lost_at(tracer, &Lost { x, centre });
         let mut centres = Vec::with_capacity(shares.len());
@@ -210,7 +241,7 @@ impl<'a> Path<'a> {
             let tracer = search.tracer(r);
             let own;
             let trace = if let Radius::Constant(_) = radius {
-                &main
+                main
             } else {
                 // The start of a closed path stays where it is.
                 let (x, c, d) = if main.closed {
@@ -274,9 +305,8 @@ impl<'a> Path<'a> {
     }
 }
 
-/// Shares of the length for the guide's points: evenly in length and turn together.
-fn shares(trace: &Trace) -> Vec<f64> {
-    let n = ((trace.turn / GUIDE.1).ceil() as usize + 1).clamp(GUIDE.0 + 1, MOST_POINTS);
+/// Shares of the length for the guide's points: evenly in length, and in turn with half the weight.
+fn shares(trace: &Trace, n: usize) -> Vec<f64> {
     let mut measure = vec![0.0];
     let mut before = DVec3::ZERO;
     let (length, whole) = (trace.length(), trace.turn.max(1.0));
@@ -290,7 +320,7 @@ fn shares(trace: &Trace) -> Vec<f64> {
         };
         before = direction;
         let last = measure[measure.len() - 1];
-        measure.push(last + way.length() / length + turn / whole);
+        measure.push(last + way.length() / length + 0.5 * turn / whole);
     }
     let total = measure[measure.len() - 1];
     (0..n)
