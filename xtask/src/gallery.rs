@@ -217,6 +217,18 @@ const CHAPTERS: &[(&str, &[Picture])] = &[
                 "A fillet around the foot of a pin, between a plane and a cylinder.",
             ),
             Picture(
+                "fillet-pipes",
+                "fillet-pipes.png",
+                "",
+                "A ball rolled round the joint of two pipes: a fillet between cylinders.",
+            ),
+            Picture(
+                "fillet-hull",
+                "fillet-hull.png",
+                "--azimuth -60 --elevation 30",
+                "A fillet of variable radius between two free-form surfaces.",
+            ),
+            Picture(
                 "fillet-box",
                 "fillet-box.png",
                 "",

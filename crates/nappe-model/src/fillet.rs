@@ -23,8 +23,8 @@ impl Builder<'_> {
             near: f.vector("near"),
         };
         let ([first, second], radius) = (supports?, radius?);
-        let fillet = Fillet::new(&first, &second, radius, options)
-            .map_err(|e| self.fillet_error(o, &e))?;
+        let fillet =
+            Fillet::new(&first, &second, radius, options).map_err(|e| self.fillet_error(o, &e))?;
         Ok(Patch::one(Arc::new(fillet)))
     }
 

@@ -131,7 +131,9 @@ fn a_ball_on_a_plane_and_a_sphere_sweeps_a_torus() {
         )
         .unwrap();
         let size = 10.0 * scale + shift.length();
-        laws::surface_with(&f, 60);
+        if scale == 1e-6 {
+            laws::surface_with(&f, 20);
+        }
         certify(&f, &supports, size);
         // The centre is at the height r, at R + r from the sphere's.
         let major = ((2.0 * scale + r).powi(2) - (0.5 * scale - r).powi(2)).sqrt();
@@ -180,8 +182,12 @@ fn between_planes_it_is_the_fillet_with_a_formula() {
         .unwrap();
         assert!(exact.contacts(0).is_none(), "a formula");
         let f = traced(&supports, radius.clone(), Default::default());
-        laws::surface_with(&f, 60);
+        laws::surface_with(&f, 20);
         certify(&f, &supports, 4.0);
+        // A variable radius is here a function of the length of the centre's path, not of the edge.
+        let Radius::Constant(_) = radius else {
+            continue;
+        };
         for i in 0..=40 {
             let u = i as f64 / 40.0;
             let (a, b) = (f.ball(u), exact.ball(u));
@@ -189,7 +195,7 @@ fn between_planes_it_is_the_fillet_with_a_formula() {
                 (a.0 - b.0).length() < 1e-13 && (a.1 - b.1).abs() < 1e-14,
                 "{u}"
             );
-            assert!((f.point([u, 0.4]) - exact.point([u, 0.4])).length() < 1e-12);
+            assert!((f.point([u, 0.4]) - exact.point([u, 0.4])).length() < 1e-13);
         }
     }
 }
@@ -204,7 +210,7 @@ fn round_a_cylinder_it_is_the_fillet_with_a_formula() {
         let radius = Radius::Constant(0.3);
         let exact = Fillet::new(&supports[0], &supports[1], radius.clone(), sides(side)).unwrap();
         let f = traced(&supports, radius, sides(side));
-        laws::surface_with(&f, 60);
+        laws::surface_with(&f, 20);
         certify(&f, &supports, 12.0);
         let finder =
             Finder::new(&[Arc::new(exact) as SurfaceRef], FinderOptions::default()).unwrap();
@@ -236,7 +242,7 @@ fn two_pipes_have_closed_fillets() {
         (expression("0.4+0.1*cos(2*pi*u)"), [true, true]),
     ] {
         let f = traced(&supports, radius, sides(side));
-        laws::surface_with(&f, 60);
+        laws::surface_with(&f, 20);
         certify(&f, &supports, 5.0);
         let gap = f.point([0.0, 0.3]) - f.point([1.0, 0.3]);
         assert!(gap.length() < 1e-12);
@@ -311,10 +317,122 @@ fn fifty_random_pairs_have_their_certificate() {
         };
         let f = traced(&supports, radius, sides([true, true]));
         certify(&f, &supports, 6.0);
-        if k < 4 {
-            laws::surface_with(&f, 60);
+        if k < 2 {
+            laws::surface_with(&f, 20);
         }
         made += 1;
     }
     assert_eq!(made, 50);
+}
+
+#[test]
+fn a_ball_that_does_not_fit_is_refused_with_the_place() {
+    let floor = plane(v(-5.0, -5.0, 0.0), DVec3::X * 10.0, DVec3::Y * 10.0);
+    // Inside a cylinder of radius 2.
+    let tube = cylinder(Frame::WORLD, 2.0, [-4.0, 4.0]);
+    let inside = sides([true, false]);
+    let supports = [floor, tube];
+    traced(&supports, Radius::Constant(1.0), inside);
+    let e = refused(&supports, Radius::Constant(2.5), inside);
+    let FilletError::NoBall {
+        fits: Some((r, _)), ..
+    } = e
+    else {
+        panic!("{e}")
+    };
+    assert!((1.98..=2.0).contains(&r), "{r}");
+    // Inside an elliptic one, whose radius of curvature is 0.5 at the ends of its long axis.
+    let oval = quadric(
+        QuadricShape::Cylinder,
+        &[2.0, 1.0],
+        Frame::WORLD,
+        Some([-4.0, 4.0]),
+    );
+    let supports = [supports[0].clone(), oval];
+    traced(&supports, Radius::Constant(0.4), inside);
+    let e = refused(&supports, Radius::Constant(0.6), inside);
+    let FilletError::CutsIn {
+        index,
+        place,
+        largest,
+        ..
+    } = e
+    else {
+        panic!("{e}")
+    };
+    assert_eq!(index, 1);
+    assert!((0.5..=0.6 / 0.95).contains(&largest), "{largest}");
+    assert!(
+        place.x.abs() > 1.0 && (place.z - 0.6).abs() < 1e-9,
+        "{place}"
+    );
+    // Two spheres with a gap of 1: the ball between them has a radius of at least 0.5.
+    let ball = |x: f64| {
+        let frame = Frame::along(v(x, 0.0, 0.0), DVec3::X).unwrap();
+        quadric(QuadricShape::Sphere, &[1.0], frame, None)
+    };
+    let spheres = [ball(0.0), ball(3.0)];
+    let e = refused(&spheres, Radius::Constant(0.3), Default::default());
+    let FilletError::NoBall {
+        fits: Some((r, _)), ..
+    } = e
+    else {
+        panic!("{e}")
+    };
+    assert!((0.5..0.52).contains(&r), "{r}");
+    // A sheet with a crease across the path of the ball.
+    let points = [
+        v(0.0, 0.0, 0.0),
+        v(0.0, 4.0, 0.0),
+        v(2.0, 0.0, 0.0),
+        v(2.0, 4.0, 0.0),
+        v(4.0, 0.0, 0.7),
+        v(4.0, 4.0, 0.7),
+    ];
+    let knots = [vec![0.0, 0.0, 0.5, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]];
+    let bent = NurbsSurface::new([1, 1], knots, &points, None).unwrap();
+    let wall = plane(v(-1.0, 0.0, -1.0), DVec3::Z * 5.0, DVec3::X * 6.0);
+    let supports = [Arc::new(bent) as SurfaceRef, wall];
+    let e = refused(&supports, Radius::Constant(0.3), Default::default());
+    assert!(
+        matches!(e, FilletError::Crease { .. } | FilletError::Lost { .. }),
+        "{e}"
+    );
+    let place = match e {
+        FilletError::Crease { place, .. } | FilletError::Lost { place, .. } => place,
+        _ => DVec3::NAN,
+    };
+    assert!((place.x - 2.0).abs() < 0.1, "{place}");
+}
+
+#[test]
+fn bad_input_is_named() {
+    let floor = plane(v(-5.0, -5.0, 0.0), DVec3::X * 10.0, DVec3::Y * 10.0);
+    let sphere = quadric(QuadricShape::Sphere, &[2.0], Frame::WORLD, None);
+    let supports = [floor, sphere];
+    let part = FilletOptions {
+        range: Some([0.0, 1.0]),
+        ..Default::default()
+    };
+    assert_eq!(
+        refused(&supports, Radius::Constant(0.3), part),
+        FilletError::RangeOfTraced
+    );
+    for bad in [0.0, -1.0, f64::NAN] {
+        let e = refused(&supports, Radius::Constant(bad), Default::default());
+        assert!(matches!(e, FilletError::Radius { .. }), "{e}");
+    }
+    let e = refused(&supports, expression("u-0.5"), Default::default());
+    assert!(matches!(e, FilletError::Radius { .. }), "{e}");
+    // A surface with itself, and with one far away: no fillet, said without a crash.
+    for pair in [
+        [supports[1].clone(), supports[1].clone()],
+        [
+            supports[1].clone(),
+            plane(v(-5.0, -5.0, 900.0), DVec3::X * 10.0, DVec3::Y * 10.0),
+        ],
+    ] {
+        let e = refused(&pair, Radius::Constant(0.3), Default::default());
+        assert!(!e.to_string().is_empty());
+    }
 }

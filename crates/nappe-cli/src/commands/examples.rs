@@ -57,6 +57,8 @@ const EXAMPLES: &[Example] = bundled![
     "duct",
     "fillet-box",
     "fillet-cylinder",
+    "fillet-hull",
+    "fillet-pipes",
     "fillet-planes",
     "hermite",
     "quadrics",

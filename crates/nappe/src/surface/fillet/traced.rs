@@ -243,12 +243,8 @@ impl<'a> Path<'a> {
             let trace = if let Radius::Constant(_) = radius {
                 main
             } else {
-                // The start of a closed path stays where it is.
-                let (x, c, d) = if main.closed {
-                    main.at(0.0)
-                } else {
-                    main.at(share)
-                };
+                // The start of a closed path stays where it is. From its middle an open one is found by any radius.
+                let (x, c, d) = main.at(if main.closed { 0.0 } else { 0.5 });
                 let other = (1..=RADII).try_fold(x, |x, k| {
                     let r = from + (r - from) * k as f64 / RADII as f64;
                     search.tracer(r).in_plane(x, c, d)
