@@ -117,7 +117,7 @@ impl Spine {
                 break;
             };
             // Rounding only.
-            if !(length < 0.5 * last) {
+            if length.is_nan() || length >= 0.5 * last {
                 break;
             }
             last = length;

@@ -82,12 +82,22 @@ impl Tracer<'_> {
             if small && length >= 0.25 * last || length == 0.0 {
                 return Some(x);
             }
-            if !(length < 1e3 * self.size) {
+            if length.is_nan() || length > 1e3 * self.size {
                 return None;
             }
             last = length;
         }
         (last <= 1e-9 * self.radius + 1e-12 * self.size).then_some(x)
+    }
+
+    /// The surface, and the place along a path, into which the ball cuts most, with what its curvature leaves to the ball;
+    /// `None` if the ball fits everywhere.
+    pub(super) fn tightest(&self, trace: &Trace) -> Option<(usize, DVec3, f64)> {
+        let states = trace.samples.iter().filter_map(|s| self.state(s.x));
+        states
+            .flat_map(|s| [0, 1].map(|k| (k, s.centres[0], s.fit(k))))
+            .filter(|(_, _, fit)| *fit <= 0.0)
+            .min_by(|a, b| a.2.total_cmp(&b.2))
     }
 
     /// The place where the ball touches both, square to the way to it from another place.

@@ -164,11 +164,28 @@ fn middle_and_size(surfaces: &[SurfaceRef; 2]) -> (DVec3, f64) {
 /// The path to take for a radius.
 fn choose(search: &Search, radius: f64, near: Option<DVec3>) -> Result<Trace, FilletError> {
     let origin = search.supports().origin;
-    let (mut traces, lost) = search.traces(radius);
+    let (all, lost) = search.traces(radius);
+    let tracer = search.tracer(radius);
+    let (mut traces, mut tight) = (Vec::new(), Vec::new());
+    for trace in all {
+        match tracer.tightest(&trace) {
+            None => traces.push(trace),
+            Some(place) => tight.push(place),
+        }
+    }
+    let tightest = tight.into_iter().min_by(|a, b| a.2.total_cmp(&b.2));
+    if let (true, Some((index, centre, fit))) = (traces.is_empty(), tightest) {
+        return Err(FilletError::CutsIn {
+            index,
+            place: centre + origin,
+            radius,
+            largest: radius / (1.0 - fit),
+        });
+    }
     let middle = |t: &Trace| t.at(0.5).1 + origin;
     match (traces.len(), near) {
         (0, _) => Err(match lost {
-            Some(lost) => lost_at(&search.tracer(radius), &lost),
+            Some(lost) => lost_at(&tracer, &lost),
             None => FilletError::NoBall {
                 radius,
                 fits: search.fits(radius).map(|(r, p)| (r, p + origin)),
