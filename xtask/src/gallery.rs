@@ -247,6 +247,24 @@ const CHAPTERS: &[(&str, &[Picture])] = &[
                 "",
                 "A fillet around the foot of a pin, between a plane and a cylinder.",
             ),
+            Picture(
+                "fillet-pipes",
+                "fillet-pipes.png",
+                "",
+                "A ball rolled round the joint of two pipes: a fillet between cylinders.",
+            ),
+            Picture(
+                "fillet-hull",
+                "fillet-hull.png",
+                "--azimuth -60 --elevation 30",
+                "A fillet of variable radius between two free-form surfaces.",
+            ),
+            Picture(
+                "fillet-box",
+                "fillet-box.png",
+                "",
+                "A chain of fillets round the upper edges of a box, with eighths of spheres in the corners.",
+            ),
         ],
     ),
 ];

@@ -20,10 +20,11 @@ impl Builder<'_> {
             range: f
                 .numbers("range")
                 .and_then(|r| <[f64; 2]>::try_from(r).ok()),
+            near: f.vector("near"),
         };
         let ([first, second], radius) = (supports?, radius?);
-        let fillet = Fillet::new(first.as_ref(), second.as_ref(), radius, options)
-            .map_err(|e| self.fillet_error(o, &e))?;
+        let fillet =
+            Fillet::new(&first, &second, radius, options).map_err(|e| self.fillet_error(o, &e))?;
         Ok(Patch::one(Arc::new(fillet)))
     }
 
@@ -61,12 +62,33 @@ impl Builder<'_> {
 
     fn fillet_error(&mut self, o: &Object, e: &FilletError) -> Stop {
         let (key, path, help): (&str, Vec<usize>, &str) = match e {
-            FilletError::Support { index } => (
+            FilletError::NoBall { fits: None, .. } => (
+                "between",
+                vec![],
+                "write other sides, side = [\"front\" or \"back\", …], or extend the surfaces",
+            ),
+            FilletError::NoBall { .. } => (
+                "radius",
+                vec![],
+                "write a radius for which the ball touches both, or other sides",
+            ),
+            FilletError::Several { .. } => (
+                "between",
+                vec![],
+                "write near = [x, y, z], a point near the fillet that is meant",
+            ),
+            FilletError::CutsIn { .. } => ("radius", vec![], "lower the radius"),
+            FilletError::Lost { .. } | FilletError::Unproven { .. } | FilletError::Guide(_) => (
+                "between",
+                vec![],
+                "take parts of the surfaces without that place, or another radius",
+            ),
+            FilletError::Crease { index, .. } => (
                 "between",
                 vec![*index],
-                "name a plane or a circular cylinder",
+                "make the fillet on each side of the crease",
             ),
-            FilletError::TwoCylinders => ("between", vec![1], "name a plane for one of them"),
+            FilletError::RangeOfTraced => ("range", vec![], "leave `range` out"),
             FilletError::Parallel { .. } => {
                 ("between", vec![], "name planes that meet at an angle")
             }

@@ -367,18 +367,18 @@ pub const SURFACES: &[Kind] = &[
                 "between",
                 List(&Surface, Some(2)),
                 Required,
-                "two planes, or a plane and a cylinder",
+                "any two; two planes, and a plane and a cylinder, have a formula, between others the ball is followed from end to end, or round",
             ),
             key(
                 "radius",
                 Formula(&["u"]),
                 Required,
-                "a number, or an expression in u, 0 to 1 along the edge: along the cross product of the normals towards the ball, of the first surface and of the second, so exchanging the two turns u round",
+                "a number, or an expression in u, 0 to 1 along the edge, or nearly in proportion to the length of the ball's path: along the cross product of the normals towards the ball, of the first surface and of the second, so exchanging the two turns u round",
             ),
             key(
                 "side",
                 List(&Choice(&["front", "back"]), Some(2)),
-                Optional("where the planes reach furthest; of a cylinder the front"),
+                Optional("of planes where both reach furthest; of others the front"),
                 "on which side of each surface the ball lies; front is where its normal r_u × r_v points",
             ),
             key(
@@ -393,7 +393,13 @@ pub const SURFACES: &[Kind] = &[
                 Optional(
                     "as long as the surfaces lie beside each other; round a cylinder one turn",
                 ),
-                "lengths along the edge, or angles round a cylinder that the plane crosses",
+                "lengths along the edge, or angles round a cylinder that the plane crosses; only where there is a formula",
+            ),
+            key(
+                "near",
+                Vector,
+                Optional("there must be only one"),
+                "of several fillets the one whose ball comes nearest to this point; not where there is a formula",
             ),
         ],
     },

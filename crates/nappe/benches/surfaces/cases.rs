@@ -146,8 +146,8 @@ pub(crate) fn all() -> Vec<(&'static str, SurfaceRef)> {
             "fillet",
             Arc::new(
                 Fillet::new(
-                    floor.as_ref(),
-                    wall.as_ref(),
+                    &floor,
+                    &wall,
                     Radius::Constant(0.2),
                     FilletOptions::default(),
                 )

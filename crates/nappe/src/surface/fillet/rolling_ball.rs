@@ -24,6 +24,33 @@ pub enum Radius {
     Along(FunctionsRef),
 }
 
+impl Radius {
+    /// The radius' series at a parameter, or at those of a pack.
+    pub(super) fn series_at<S: Value>(&self, u: S, limit: Limit, order: usize) -> Series<S> {
+        match self {
+            Radius::Constant(r) => Series::constant(S::from(*r), order),
+            Radius::Along(f) => {
+                let mut d: SmallVec<[S; 8]> = SmallVec::from_elem(S::ZERO, order + 1);
+                S::jet(f.as_ref(), u, limit, order, &mut d);
+                Series::from_derivatives(&d)
+            }
+        }
+    }
+
+    /// The same over an interval of parameters in one piece.
+    pub(super) fn series_over(&self, u: Interval, limit: Limit, order: usize) -> Series<Interval> {
+        match self {
+            Radius::Constant(r) => Series::constant(Interval::point(*r), order),
+            Radius::Along(f) => {
+                let mut d: SmallVec<[Interval; 8]> =
+                    SmallVec::from_elem(Interval::ENTIRE, order + 1);
+                f.enclose_piece(u, limit, order, &mut d);
+                Series::from_derivatives(&d)
+            }
+        }
+    }
+}
+
 /// The two supports, seen from an origin, and how the ball's centre moves along them.
 #[derive(Clone, Debug)]
 pub(super) enum Track {
@@ -60,7 +87,7 @@ pub(super) struct RollingBall {
     pub breaks: Vec<Break>,
 }
 
-type Vector<S> = [Series<S>; 3];
+pub(super) type Vector<S> = [Series<S>; 3];
 
 /// Centre, normals and radius as series of the same order.
 pub(super) struct Ball<S: Number> {
@@ -77,11 +104,11 @@ fn along<S: Number>(d: DVec3, s: &Series<S>) -> Vector<S> {
     d.to_array().map(|x| s.scale(S::from(x)))
 }
 
-fn sum<S: Number>(a: &Vector<S>, b: &Vector<S>) -> Vector<S> {
+pub(super) fn sum<S: Number>(a: &Vector<S>, b: &Vector<S>) -> Vector<S> {
     std::array::from_fn(|k| a[k].add(&b[k]))
 }
 
-fn times<S: Number>(a: &Vector<S>, s: &Series<S>) -> Vector<S> {
+pub(super) fn times<S: Number>(a: &Vector<S>, s: &Series<S>) -> Vector<S> {
     std::array::from_fn(|k| a[k].mul(s))
 }
 
@@ -103,31 +130,6 @@ impl RollingBall {
             range,
             swapped,
             breaks,
-        }
-    }
-
-    /// The radius' series at a parameter, or at those of a pack.
-    fn radius_at<S: Value>(&self, u: S, limit: Limit, order: usize) -> Series<S> {
-        match &self.radius {
-            Radius::Constant(r) => Series::constant(S::from(*r), order),
-            Radius::Along(f) => {
-                let mut d: SmallVec<[S; 8]> = SmallVec::from_elem(S::ZERO, order + 1);
-                S::jet(f.as_ref(), u, limit, order, &mut d);
-                Series::from_derivatives(&d)
-            }
-        }
-    }
-
-    /// The same over an interval of parameters in one piece.
-    fn radius_over(&self, u: Interval, limit: Limit, order: usize) -> Series<Interval> {
-        match &self.radius {
-            Radius::Constant(r) => Series::constant(Interval::point(*r), order),
-            Radius::Along(f) => {
-                let mut d: SmallVec<[Interval; 8]> =
-                    SmallVec::from_elem(Interval::ENTIRE, order + 1);
-                f.enclose_piece(u, limit, order, &mut d);
-                Series::from_derivatives(&d)
-            }
         }
     }
 
@@ -187,12 +189,12 @@ impl RollingBall {
 
     /// The radius at a parameter.
     pub(super) fn radius_value(&self, u: f64) -> f64 {
-        self.radius_at(u, Limit::Above, 0).value()
+        self.radius.series_at(u, Limit::Above, 0).value()
     }
 
     /// The ball's centre and radius at a parameter.
     pub(super) fn centre(&self, u: f64) -> (DVec3, f64) {
-        let ball = self.ball(u, self.radius_at(u, Limit::Above, 0));
+        let ball = self.ball(u, self.radius.series_at(u, Limit::Above, 0));
         (
             DVec3::from_array(ball.centre.each_ref().map(Series::value)),
             ball.radius.value(),
@@ -207,21 +209,13 @@ impl RollingBall {
     }
 
     fn write<S: Number>(&self, u: S, radius: Series<S>, order: usize, out: &mut [S]) {
-        let functions = sections(&self.ball(u, radius));
-        let mut row: SmallVec<[S; 8]> = SmallVec::from_elem(S::ZERO, order + 1);
-        for (f, series) in functions.iter().enumerate() {
-            series.write_derivatives(&mut row);
-            for (k, d) in row.iter().enumerate() {
-                out[k * COUNT + f] = *d;
-            }
-        }
+        write_sections(&self.ball(u, radius), order, out);
     }
 
     /// Quantities that are positive where the fillet is a regular surface: the radius; what the track needs under its
-    /// root; `|c'|² - r'²` (neighbouring balls do not swallow each other); and
-    /// `|c'|² - r'² - r r'' - (x - c)·c''` at both contacts and in the middle of the section x (sections do not cross).
+    /// root; and those of [`regular`].
     pub(super) fn margins(&self, u: Interval, limit: Limit) -> [Interval; MARGINS] {
-        let radius = self.radius_over(u, limit, 2);
+        let radius = self.radius.series_over(u, limit, 2);
         let positive = radius.value();
         let root = match &self.track {
             Track::Planes { .. } => Interval::ONE,
@@ -236,27 +230,55 @@ impl RollingBall {
         if positive.lo <= 0.0 || root.lo <= 0.0 {
             return [positive, root, Interval::ENTIRE, Interval::ENTIRE];
         }
-        let ball = self.ball(u, radius);
-        let c1: Vector<Interval> = ball.centre.clone().map(|x| x.derivative());
-        let c2: [Interval; 3] = c1.clone().map(|x| x.derivative().value());
-        let r = &ball.radius;
-        let (r1, r2) = (r.derivative().value(), r.derivative().derivative().value());
-        let speed = series_norm2(&c1).value();
-        let apart = speed - r1.sqr();
-        let bent = |n: &[Interval; 3]| {
-            let along = n[0] * c2[0] + n[1] * c2[1] + n[2] * c2[2];
-            apart - r.value() * r2 + r.value() * along
-        };
-        let [n0, n2] = ball
-            .normals
-            .each_ref()
-            .map(|n| n.each_ref().map(Series::value));
-        let middle: [Interval; 3] = std::array::from_fn(|k| n0[k] + n2[k]);
-        let length = (middle[0].sqr() + middle[1].sqr() + middle[2].sqr()).sqrt();
-        let middle = middle.map(|x| x / length);
-        let least = bent(&n0).min(bent(&n2)).min(bent(&middle));
+        let [apart, least] = regular(&self.ball(u, radius));
         [positive, root, apart, least]
     }
+}
+
+/// Quantities that are positive where the sections make a regular surface, from the ball to order 2: `|c'|² - r'²`
+/// (neighbouring balls do not swallow each other), and a lower bound of `|c'|² - r'² - r r'' - (x - c)·c''` over the points x
+/// of the section (sections do not cross).
+pub(super) fn regular(ball: &Ball<Interval>) -> [Interval; 2] {
+    let [c1, c2] = [1, 2].map(|k| ball.centre.each_ref().map(|x| x.c[k]));
+    let c2 = c2.map(|x| x + x);
+    let r: Vec<Interval> = ball.radius.c.to_vec();
+    let apart = c1[0].sqr() + c1[1].sqr() + c1[2].sqr() - r[1].sqr();
+    if apart.lo <= 0.0 {
+        return [apart, Interval::ENTIRE];
+    }
+    let base = apart - r[0] * (r[2] + r[2]);
+    let [p0, apex, p2, weight] = {
+        let s = sections(ball);
+        let at = |k: usize| [s[k].value(), s[k + 1].value(), s[k + 2].value()];
+        [at(0), at(3), at(6), [s[10].value(); 3]]
+    };
+    let weight = weight[0];
+    // The quantity is linear in x: along the arc a rational polynomial of degree 2, with these Bernstein coefficients.
+    let value = |p: [Interval; 3], w: Interval| -> [Interval; 2] {
+        let away = |k: usize| (p[k] - ball.centre[k].value() * w) * c2[k];
+        [base * w - (away(0) + away(1) + away(2)), w]
+    };
+    let one = Interval::ONE;
+    let mut arcs = vec![[value(p0, one), value(apex, weight), value(p2, one)]];
+    let half =
+        |a: [Interval; 2], b: [Interval; 2]| [0, 1].map(|k| (a[k] + b[k]) * Interval::point(0.5));
+    // Over an eighth of an arc the hull of the coefficients is hardly wider than the values.
+    for _ in 0..3 {
+        arcs = arcs
+            .into_iter()
+            .flat_map(|[a, b, c]| {
+                let (ab, bc) = (half(a, b), half(b, c));
+                let m = half(ab, bc);
+                [[a, ab, m], [m, bc, c]]
+            })
+            .collect();
+    }
+    let least = arcs
+        .into_iter()
+        .flatten()
+        .map(|[f, w]| f / w)
+        .reduce(Interval::min);
+    [apart, least.unwrap_or(Interval::ENTIRE)]
 }
 
 /// How many conditions [`RollingBall::margins`] has.
@@ -296,6 +318,18 @@ fn sections<S: Number>(ball: &Ball<S>) -> [Series<S>; COUNT] {
     [a, b, c, d, e, f, g, h, i, one, weight]
 }
 
+/// The derivatives of the sections' functions, from a ball of one order more.
+pub(super) fn write_sections<S: Number>(ball: &Ball<S>, order: usize, out: &mut [S]) {
+    let functions = sections(ball);
+    let mut row: SmallVec<[S; 8]> = SmallVec::from_elem(S::ZERO, order + 1);
+    for (f, series) in functions.iter().enumerate() {
+        series.write_derivatives(&mut row);
+        for (k, d) in row.iter().enumerate() {
+            out[k * COUNT + f] = *d;
+        }
+    }
+}
+
 impl Functions for RollingBall {
     fn count(&self) -> usize {
         COUNT
@@ -306,7 +340,7 @@ impl Functions for RollingBall {
     }
 
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {
-        self.write(t, self.radius_at(t, limit, order + 1), order, out);
+        self.write(t, self.radius.series_at(t, limit, order + 1), order, out);
     }
 
     fn pack_into(&self, t: Pack, limit: Limit, order: usize, out: &mut [Pack]) {
@@ -315,33 +349,42 @@ impl Functions for RollingBall {
         {
             return t.each_lane(out, |t, out| self.jet_into(t, limit, order, out));
         }
-        self.write(t, self.radius_at(t, limit, order + 1), order, out);
+        self.write(t, self.radius.series_at(t, limit, order + 1), order, out);
     }
 
     fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]) {
-        self.write(t, self.radius_over(t, limit, order + 1), order, out);
+        self.write(t, self.radius.series_over(t, limit, order + 1), order, out);
     }
 }
 
-/// Proves that all margins are positive, or returns which is not, where, and its value there.
-pub(super) fn prove(ball: &RollingBall) -> Result<(), (usize, f64, f64)> {
+/// The analytic pieces.
+pub(super) fn pieces(breaks: &[Break]) -> Vec<Interval> {
+    (0..breaks.pieces()).map(|i| breaks.piece(i)).collect()
+}
+
+/// Proves that all margins over some ranges, each in one piece, are positive, or returns which is not, where, and its
+/// value there.
+pub(super) fn prove<const N: usize>(
+    ranges: Vec<Interval>,
+    margins: impl Fn(Interval) -> [Interval; N],
+) -> Result<(), (usize, f64, f64)> {
     /// Halvings before a margin that cannot be told from zero counts as zero.
     const DEPTH: u32 = 30;
     /// Ranges examined. A ball so large beside its supports that more would be needed drowns in rounding: it is
     /// refused, not computed for minutes.
     const RANGES: usize = 20_000;
     let mut examined = 0;
-    for i in 0..ball.breaks.pieces() {
-        let mut stack = vec![(ball.breaks.piece(i), 0)];
+    for range in ranges {
+        let mut stack = vec![(range, 0)];
         while let Some((u, depth)) = stack.pop() {
-            let margins = ball.margins(u, Limit::Above);
-            if margins.iter().all(|m| m.lo > 0.0) {
+            let over = margins(u);
+            if over.iter().all(|m| m.lo > 0.0) {
                 continue;
             }
             examined += 1;
             let last = depth >= DEPTH || examined >= RANGES;
             let at = u.mid();
-            let here = ball.margins(Interval::point(at), Limit::Above);
+            let here = margins(Interval::point(at));
             if let Some(k) = here
                 .iter()
                 .position(|m| m.hi <= 0.0 || (last && m.lo <= 0.0))
@@ -349,7 +392,7 @@ pub(super) fn prove(ball: &RollingBall) -> Result<(), (usize, f64, f64)> {
                 return Err((k, at, here[k].mid()));
             }
             if last {
-                let k = margins.iter().position(|m| m.lo <= 0.0).unwrap_or(0);
+                let k = over.iter().position(|m| m.lo <= 0.0).unwrap_or(0);
                 return Err((k, at, here[k].mid()));
             }
             stack.push((Interval::new(u.lo, at), depth + 1));

@@ -1,0 +1,681 @@
+//! From two surfaces to the path of the ball between them: looked for, followed, and put into a table.
+
+use super::contact::{AT_BREAK, Place, Supports};
+use super::find::Search;
+use super::rolling_ball::prove;
+use super::spine::{Node, Piece, Spine, course, newton};
+use super::trace::{Lost, Trace, Tracer};
+use super::{FilletError, FilletOptions, Radius};
+use crate::breaks::{Break, Limit, merge_breaks};
+use crate::curve::{Curve, InterpolateOptions, interpolate};
+use crate::exact::NurbsCurve;
+use crate::interval::Interval;
+use crate::surface::SurfaceRef;
+use glam::DVec3;
+
+/// The guide's degree, and its turn from point to point in radians.
+const GUIDE: (usize, f64) = (5, 0.5);
+/// The most points of a guide.
+const MOST_POINTS: usize = 400;
+/// The cosine of the angle between the guide and the path, at least.
+const FOLLOWS: f64 = 0.9;
+/// The steps of the table in a piece of the guide, at least.
+const STEPS: f64 = 8.0;
+/// Relative to the range of u: the shortest step of the table, and places that are one.
+const SHORTEST: f64 = 1e-10;
+const ONE_PLACE: f64 = 1e-13;
+/// The most steps of Newton's method for a place of the table, and how far it may be from where it is foreseen, relative to
+/// the step.
+const NEWTON: usize = 10;
+const ASTRAY: f64 = 0.2;
+/// Normals on both sides of a break that differ by more (radians) make a crease.
+const CREASE: f64 = 1e-6;
+/// A contact where less than this is left of the curvature is taken as the reason why a ball is lost.
+const TIGHT: f64 = 0.05;
+/// Steps from one radius to another.
+const RADII: usize = 8;
+
+/// The spine of the fillet between two surfaces, proven.
+pub(super) fn spine(
+    surfaces: [SurfaceRef; 2],
+    radius: Radius,
+    options: &FilletOptions,
+) -> Result<Spine, FilletError> {
+    let (origin, size) = middle_and_size(&surfaces);
+    let sides = options.side.unwrap_or([true; 2]);
+    let supports = Supports {
+        surfaces,
+        sides: sides.map(|front| if front { 1.0 } else { -1.0 }),
+        origin,
+    };
+    let middle = radius_at(&radius, 0.5)?;
+    let search = Search::new(&supports, size).ok_or(FilletError::NoBall {
+        radius: middle,
+        fits: None,
+    })?;
+    let trace = choose(&search, middle, options.near)?;
+    let (path, guide) = guided(&search, &radius, &trace)?;
+    let walker = Walker {
+        tracer: search.tracer(path.radius_at(0.0)?),
+        supports: &supports,
+        radius: &radius,
+        guide: &guide,
+    };
+    let (breaks, pieces) = walker.walk(path.start)?;
+    let mut spine = Spine::new(
+        supports.clone(),
+        radius.clone(),
+        guide.clone(),
+        breaks,
+        pieces,
+    );
+    if let Err(at) = spine.settle() {
+        return Err(refused(&spine, 1, at, 0.0));
+    }
+    match prove(spine.ranges(), |u| spine.margins(u, Limit::Above)) {
+        Ok(()) => Ok(spine),
+        Err((condition, at, margin)) => Err(refused(&spine, condition, at, margin)),
+    }
+}
+
+/// The path with a guide that follows it: with too few points a spline may swing.
+fn guided<'a>(
+    search: &Search<'a>,
+    radius: &'a Radius,
+    trace: &Trace,
+) -> Result<(Path<'a>, NurbsCurve), FilletError> {
+    let mut count = (trace.turn / GUIDE.1).ceil() as usize + 1;
+    loop {
+        count = count.clamp(GUIDE.0 + 1, MOST_POINTS);
+        let path = Path::new(search, radius, trace, count)?;
+        let guide = path.guide()?;
+        let samples = 8 * count;
+        let follows = (0..=samples).all(|k| {
+            let u = k as f64 / samples as f64;
+            let (_, _, way) = trace.at(u);
+            let d = guide.jet(u, Limit::Above, 1).d[1];
+            d.dot(way) >= FOLLOWS * d.length()
+        });
+        if follows || count == MOST_POINTS {
+            return Ok((path, guide));
+        }
+        count *= 2;
+    }
+}
+
+/// Why a spine is refused, from the condition that is not met.
+fn refused(spine: &Spine, condition: usize, at: f64, margin: f64) -> FilletError {
+    let ball = spine.ball(at, Limit::Above, 0);
+    let radius = ball.radius.value();
+    let place =
+        DVec3::from_array(ball.centre.each_ref().map(|x| x.value())) + spine.supports.origin;
+    // What is tighter comes first: a ball that cuts into a support breaks the other conditions too.
+    let cuts = |k: usize, most: f64| {
+        let fit = spine.fit(at, k).filter(|f| *f < most)?;
+        Some(FilletError::CutsIn {
+            index: k,
+            place,
+            radius,
+            largest: radius / (1.0 - fit),
+        })
+    };
+    let unproven = FilletError::Unproven { at, place };
+    match condition {
+        0 => FilletError::Radius { at, value: radius },
+        1 => (0..2).find_map(|k| cuts(k, TIGHT)).unwrap_or(unproven),
+        2 => FilletError::Swallowed { at, margin },
+        3 => FilletError::SectionsCross { at, radius },
+        k => cuts(k - 4, TIGHT).unwrap_or(unproven),
+    }
+}
+
+/// The value of a radius, which must be positive.
+fn radius_at(radius: &Radius, at: f64) -> Result<f64, FilletError> {
+    let value = radius.series_at(at, Limit::Above, 0).value();
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(FilletError::Radius { at, value })
+    }
+}
+
+/// The middle of the box around samples of the smaller surface, and the size of both.
+fn middle_and_size(surfaces: &[SurfaceRef; 2]) -> (DVec3, f64) {
+    const SAMPLES: usize = 9;
+    let boxes = surfaces.each_ref().map(|s| {
+        let domain = s.domain();
+        let at = |k: usize| {
+            let f = |i: usize, d: Interval| d.lo + d.width() * i as f64 / (SAMPLES - 1) as f64;
+            let uv = [f(k / SAMPLES, domain[0]), f(k % SAMPLES, domain[1])];
+            s.point([0, 1].map(|d: usize| uv[d].min(domain[d].hi)))
+        };
+        (0..SAMPLES * SAMPLES)
+            .map(at)
+            .filter(|p| p.is_finite())
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| {
+                (lo.min(p), hi.max(p))
+            })
+    });
+    let size = boxes.map(|(lo, hi)| (hi - lo).length());
+    let (lo, hi) = boxes[usize::from(size[1] < size[0])];
+    (0.5 * (lo + hi), size[0].min(size[1]))
+}
+
+/// The path to take for a radius.
+fn choose(search: &Search, radius: f64, near: Option<DVec3>) -> Result<Trace, FilletError> {
+    let origin = search.supports().origin;
+    let (all, lost) = search.traces(radius);
+    let tracer = search.tracer(radius);
+    let (mut traces, mut tight) = (Vec::new(), Vec::new());
+    for trace in all {
+        match tracer.tightest(&trace) {
+            None => traces.push(trace),
+            Some(place) => tight.push(place),
+        }
+    }
+    let tightest = tight.into_iter().min_by(|a, b| a.2.total_cmp(&b.2));
+    if let (true, Some((index, centre, fit))) = (traces.is_empty(), tightest) {
+        return Err(FilletError::CutsIn {
+            index,
+            place: centre + origin,
+            radius,
+            largest: radius / (1.0 - fit),
+        });
+    }
+    let middle = |t: &Trace| t.at(0.5).1 + origin;
+    match (traces.len(), near) {
+        (0, _) => Err(match lost {
+            Some(lost) => lost_at(&tracer, &lost),
+            None => FilletError::NoBall {
+                radius,
+                fits: search.fits(radius).map(|(r, p)| (r, p + origin)),
+            },
+        }),
+        (1, _) => Ok(traces.remove(0)),
+        (count, None) => Err(FilletError::Several {
+            count,
+            places: traces.iter().map(middle).collect(),
+        }),
+        (_, Some(p)) => {
+            traces.sort_by(|a, b| a.distance(p - origin).total_cmp(&b.distance(p - origin)));
+            Ok(traces.remove(0))
+        }
+    }
+}
+
+/// Why a ball could not be followed.
+fn lost_at(tracer: &Tracer, lost: &Lost) -> FilletError {
+    let place = lost.centre + tracer.supports.origin;
+    let domain = tracer.supports.domain();
+    let state = tracer.supports.state(lost.x, domain, tracer.radius);
+    let tight = state.and_then(|s| {
+        let (k, fit) = [0, 1]
+            .map(|k| (k, s.fit(k)))
+            .into_iter()
+            .min_by(|a, b| a.1.total_cmp(&b.1))?;
+        (fit < TIGHT).then_some((k, fit))
+    });
+    match tight {
+        Some((index, fit)) => FilletError::CutsIn {
+            index,
+            place,
+            radius: tracer.radius,
+            largest: tracer.radius / (1.0 - fit),
+        },
+        None => FilletError::Lost {
+            place,
+            radius: tracer.radius,
+        },
+    }
+}
+
+/// Points of the centre's path, from which the guide is made.
+struct Path<'a> {
+    radius: &'a Radius,
+    start: Place<f64>,
+    closed: bool,
+    centres: Vec<DVec3>,
+}
+
+impl<'a> Path<'a> {
+    /// Along the path of the middle radius. A ball of another radius at a share of the length is that share along its own
+    /// path.
+    fn new(
+        search: &Search<'a>,
+        radius: &'a Radius,
+        main: &Trace,
+        count: usize,
+    ) -> Result<Self, FilletError> {
+        let shares = shares(main, count);
+        let lost =
+            |tracer: &Tracer, x: Place<f64>, centre: DVec3| lost_at(tracer, &Lost { x, centre });
+        let mut centres = Vec::with_capacity(shares.len());
+        let mut start = main.samples[0].x;
+        let from = radius_at(radius, 0.5)?;
+        let last = shares.len() - 1;
+        for (i, &share) in shares.iter().enumerate() {
+            let r = radius_at(radius, share)?;
+            let tracer = search.tracer(r);
+            let own;
+            let trace = if let Radius::Constant(_) = radius {
+                main
+            } else {
+                // The start of a closed path stays where it is. From its middle an open one is found by any radius.
+                let (x, c, d) = main.at(if main.closed { 0.0 } else { 0.5 });
+                let other = (1..=RADII).try_fold(x, |x, k| {
+                    let r = from + (r - from) * k as f64 / RADII as f64;
+                    search.tracer(r).in_plane(x, c, d)
+                });
+                let seed = other.ok_or_else(|| lost(&tracer, x, c))?;
+                own = tracer.trace(seed).map_err(|l| lost_at(&tracer, &l))?;
+                if own.closed != main.closed {
+                    return Err(lost(&tracer, x, c));
+                }
+                &own
+            };
+            let n = trace.samples.len() - 1;
+            let end = if i == 0 {
+                Some(0)
+            } else if i == last {
+                Some(n)
+            } else {
+                None
+            };
+            if let Some(end) = end {
+                centres.push(trace.samples[end].centre);
+                if i == 0 {
+                    start = trace.samples[0].x;
+                }
+                continue;
+            }
+            let (x, c, d) = trace.at(share);
+            let x = tracer
+                .in_plane(x, c, d)
+                .ok_or_else(|| lost(&tracer, x, c))?;
+            let sample = tracer.at(x).ok_or_else(|| lost(&tracer, x, c))?;
+            centres.push(sample.centre);
+        }
+        let closed = main.closed && centres[0] == centres[last];
+        Ok(Self {
+            radius,
+            start,
+            closed,
+            centres,
+        })
+    }
+
+    fn radius_at(&self, u: f64) -> Result<f64, FilletError> {
+        radius_at(self.radius, u)
+    }
+
+    fn guide(&self) -> Result<NurbsCurve, FilletError> {
+        let options = InterpolateOptions {
+            degree: GUIDE.0,
+            closed: self.closed,
+            ..Default::default()
+        };
+        interpolate(&self.centres, options).map_err(FilletError::Guide)
+    }
+}
+
+/// Shares of the length for the guide's points: evenly in length, and in turn with half the weight.
+fn shares(trace: &Trace, n: usize) -> Vec<f64> {
+    let mut measure = vec![0.0];
+    let mut before = DVec3::ZERO;
+    let (length, whole) = (trace.length(), trace.turn.max(1.0));
+    for w in trace.samples.windows(2) {
+        let way = w[1].centre - w[0].centre;
+        let direction = way.try_normalize().unwrap_or(before);
+        let turn = if before == DVec3::ZERO {
+            0.0
+        } else {
+            before.angle_between(direction)
+        };
+        before = direction;
+        let last = measure[measure.len() - 1];
+        measure.push(last + way.length() / length + 0.5 * turn / whole);
+    }
+    let total = measure[measure.len() - 1];
+    (0..n)
+        .map(|k| {
+            if k + 1 == n {
+                return 1.0;
+            }
+            let at = total * k as f64 / (n - 1) as f64;
+            let i = measure
+                .partition_point(|m| *m <= at)
+                .clamp(1, measure.len() - 1);
+            let f = ((at - measure[i - 1]) / (measure[i] - measure[i - 1])).clamp(0.0, 1.0);
+            let [a, b] = [i - 1, i].map(|i| trace.samples[i].length);
+            (a + f * (b - a)) / length
+        })
+        .collect()
+}
+
+/// Goes along the guide and makes the table of contacts, with breaks where the contacts pass breaks of their supports.
+struct Walker<'a> {
+    tracer: Tracer<'a>,
+    supports: &'a Supports,
+    radius: &'a Radius,
+    guide: &'a NurbsCurve,
+}
+
+impl Walker<'_> {
+    fn lost(&self, x: Place<f64>, u: f64) -> FilletError {
+        let centre = self.guide.point(u);
+        let tracer = Tracer {
+            supports: self.supports,
+            radius: self.radius.series_at(u, Limit::Above, 0).value(),
+            size: self.tracer.size,
+        };
+        lost_at(&tracer, &Lost { x, centre })
+    }
+
+    /// Newton's method in the guide's plane at a parameter.
+    fn solve(
+        &self,
+        mut x: Place<f64>,
+        within: Place<Interval>,
+        u: f64,
+        limit: Limit,
+    ) -> Option<Place<f64>> {
+        let course = course(self.guide, self.radius, u, limit, 0);
+        let mut last = f64::INFINITY;
+        for _ in 0..NEWTON {
+            let (step, length) = newton(self.supports, x, within, &course)?;
+            if length >= 0.5 * last {
+                break;
+            }
+            (0..4).for_each(|j| x[j] += step[j]);
+            last = length;
+        }
+        (last <= 1e-9 * self.tracer.size).then_some(x)
+    }
+
+    /// The derivatives of the contacts at a parameter.
+    fn slope(
+        &self,
+        x: Place<f64>,
+        within: Place<Interval>,
+        u: f64,
+        limit: Limit,
+    ) -> Option<Place<f64>> {
+        let (s, t) = self.by_parameter(x, within, u, limit)?;
+        let d = self.guide.jet(u, limit, 1).d[1];
+        let inverse = s.inverse([s.columns[0].dot(d), s.columns[1].dot(d), 0.0, 0.0])?;
+        let slope = (-(inverse * t)).to_array();
+        slope.iter().all(|x| x.is_finite()).then_some(slope)
+    }
+
+    /// The equations at a place, and their derivatives by u.
+    fn by_parameter(
+        &self,
+        x: Place<f64>,
+        within: Place<Interval>,
+        u: f64,
+        limit: Limit,
+    ) -> Option<(super::contact::State, glam::DVec4)> {
+        let g = self.guide.jet(u, limit, 2).d;
+        let r = self.radius.series_at(u, limit, 1);
+        let s = self.supports.state(x, within, r.value())?;
+        let n = s.normals;
+        let plane = (n[0] * r.c[1] - g[1]).dot(g[1]) + (s.centres[0] - g[0]).dot(g[2]);
+        let gap = (n[0] - n[1]) * r.c[1];
+        Some((s, gap.extend(plane)))
+    }
+
+    /// The parameter and the contacts where one of them reaches a value.
+    fn land(
+        &self,
+        mut x: Place<f64>,
+        within: Place<Interval>,
+        mut u: f64,
+        j: usize,
+        end: f64,
+    ) -> Option<(f64, Place<f64>)> {
+        let mut last = f64::INFINITY;
+        for _ in 0..NEWTON {
+            x[j] = end;
+            let (s, t) = self.by_parameter(x, within, u, Limit::Below)?;
+            let [g, d] = [0, 1].map(|k| self.guide.jet(u, Limit::Below, 1).d[k]);
+            let c = s.columns;
+            let mut columns = [
+                c[0].extend(c[0].dot(d)),
+                c[1].extend(c[1].dot(d)),
+                (-c[2]).extend(0.0),
+                (-c[3]).extend(0.0),
+            ];
+            columns[j] = t;
+            let [a, b, e, f] = columns;
+            let value = s.gap().extend((s.centres[0] - g).dot(d));
+            let step = (-(super::contact::invert(a, b, e, f)? * value)).to_array();
+            let mut moved = step;
+            moved[j] = 0.0;
+            let length = s.speed(moved) + (d * step[j]).length();
+            if length >= 0.5 * last {
+                break;
+            }
+            last = length;
+            for k in 0..4 {
+                if k == j {
+                    u += step[k];
+                } else {
+                    x[k] += step[k];
+                }
+            }
+        }
+        (last <= 1e-9 * self.tracer.size && u.is_finite()).then_some((u, x))
+    }
+
+    fn walk(&self, start: Place<f64>) -> Result<(Vec<Break>, Vec<Piece>), FilletError> {
+        let lessened = |breaks: &[Break], by: i32| -> Vec<Break> {
+            let less = |b: &Break| Break::new(b.at, b.smooth - by);
+            breaks.iter().map(less).collect()
+        };
+        // The guide's derivative is in the equations, and theirs in the sections; the radius' in the sections.
+        let guide = lessened(self.guide.breaks(), 2);
+        let radius = match self.radius {
+            Radius::Constant(_) => Vec::new(),
+            Radius::Along(f) => lessened(f.breaks(), 1),
+        };
+        let events = merge_breaks([&guide[..], &radius[..]]);
+        let mut breaks = vec![events[0]];
+        let mut pieces = Vec::new();
+        let domain = self.supports.domain();
+        let (mut u, mut x) = (0.0, start);
+        // The sense of the path decides which pieces it starts in.
+        let any = self
+            .slope(x, domain, u, Limit::Above)
+            .ok_or_else(|| self.lost(x, u))?;
+        let mut within = self.supports.pieces(x, any);
+        x = self
+            .solve(x, within, u, Limit::Above)
+            .ok_or_else(|| self.lost(x, u))?;
+        let mut d = self
+            .slope(x, within, u, Limit::Above)
+            .ok_or_else(|| self.lost(x, u))?;
+        let mut nodes = vec![Node { u, x, d }];
+        let mut next = 1;
+        let mut step = 1.0 / (STEPS * (events.len() - 1) as f64);
+        while next < events.len() {
+            let event = events[next];
+            let whole = event.at - u;
+            let to = if step >= whole * (1.0 - 1e-9) {
+                event.at
+            } else {
+                u + step
+            };
+            let foreseen: Place<f64> = std::array::from_fn(|j| x[j] + d[j] * (to - u));
+            let found = self.solve(foreseen, within, to, Limit::Below).filter(|y| {
+                let off: Place<f64> = std::array::from_fn(|j| y[j] - foreseen[j]);
+                let way: Place<f64> = std::array::from_fn(|j| d[j] * (to - u));
+                let state = self.supports.state(x, within, self.tracer.radius);
+                state.is_some_and(|s| s.speed(off) <= ASTRAY * s.speed(way))
+            });
+            let Some(y) = found else {
+                step = 0.5 * (to - u);
+                if step < SHORTEST {
+                    return Err(self.lost(x, u));
+                }
+                continue;
+            };
+            let piece = Piece {
+                within,
+                nodes: Vec::new(),
+            };
+            let leaves = |y: Place<f64>, j: usize| piece.leaves(y, j, domain[j].width());
+            let mut ends: Vec<(f64, usize, f64)> = (0..4)
+                .filter(|&j| leaves(y, j))
+                .map(|j| {
+                    let end = y[j].clamp(within[j].lo, within[j].hi);
+                    (((end - x[j]) / (y[j] - x[j])).clamp(0.0, 1.0), j, end)
+                })
+                .collect();
+            // The end of the path lies on the end of a support, within rounding.
+            if to == 1.0
+                && ends
+                    .iter()
+                    .all(|&(_, j, end)| (y[j] - end).abs() <= 1e-9 * domain[j].width())
+            {
+                ends.clear();
+            }
+            if ends.is_empty() {
+                (u, x) = (to, y);
+                d = self
+                    .slope(x, within, u, Limit::Below)
+                    .ok_or_else(|| self.lost(x, u))?;
+                nodes.push(Node { u, x, d });
+                if u == event.at {
+                    breaks.push(event);
+                    pieces.push(Piece {
+                        within,
+                        nodes: std::mem::take(&mut nodes),
+                    });
+                    next += 1;
+                    if next < events.len() {
+                        within = self.supports.pieces(x, d);
+                        d = self
+                            .slope(x, within, u, Limit::Above)
+                            .ok_or_else(|| self.lost(x, u))?;
+                        nodes.push(Node { u, x, d });
+                        step = step.max(1.0 / (STEPS * (events.len() - 1) as f64));
+                    }
+                }
+                continue;
+            }
+            ends.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let landed = ends.iter().find_map(|&(share, j, end)| {
+                let guess = std::array::from_fn(|k| x[k] + share * (y[k] - x[k]));
+                let (at, z) = self.land(guess, within, u + share * (to - u), j, end)?;
+                let slack = |k: usize| 1e3 * AT_BREAK * domain[k].width();
+                let inside = (0..4)
+                    .all(|k| z[k] >= within[k].lo - slack(k) && z[k] <= within[k].hi + slack(k));
+                (at >= u - ONE_PLACE && at <= to + ONE_PLACE && inside).then_some((at, z, j, end))
+            });
+            let Some((at, z, j, end)) = landed else {
+                step = 0.5 * (to - u);
+                if step < SHORTEST {
+                    return Err(self.lost(x, u));
+                }
+                continue;
+            };
+            let smooth = self.smooth_at(j, end);
+            let beyond = if end == domain[j].lo || end == domain[j].hi {
+                let across = self.tracer_at(at).across_seam(z, j);
+                across.ok_or_else(|| self.lost(z, at))?
+            } else {
+                z
+            };
+            let before = within;
+            if at - u > ONE_PLACE {
+                let at = if event.at - at <= ONE_PLACE {
+                    event.at
+                } else {
+                    at
+                };
+                d = self
+                    .slope(z, within, at, Limit::Below)
+                    .ok_or_else(|| self.lost(z, at))?;
+                nodes.push(Node { u: at, x: z, d });
+                pieces.push(Piece {
+                    within,
+                    nodes: std::mem::take(&mut nodes),
+                });
+                let break_smooth = if at == event.at {
+                    smooth.min(event.smooth)
+                } else {
+                    smooth
+                };
+                breaks.push(Break::new(at, break_smooth));
+                if at == event.at {
+                    next += 1;
+                }
+                u = at;
+            } else {
+                nodes.clear();
+            }
+            x = beyond;
+            within = self.supports.pieces(x, d);
+            if within == before && x == z {
+                // The direction is not decided by the rounding of the slope: the piece beyond this end.
+                let sign = if end == within[j].hi { 1.0 } else { -1.0 };
+                let mut towards = d;
+                towards[j] = sign;
+                within = self.supports.pieces(x, towards);
+            }
+            self.check_crease((before, z), (within, x), u, j)?;
+            if next < events.len() {
+                d = self
+                    .slope(x, within, u, Limit::Above)
+                    .ok_or_else(|| self.lost(x, u))?;
+                nodes.push(Node { u, x, d });
+            }
+        }
+        Ok((breaks, pieces))
+    }
+
+    fn tracer_at(&self, u: f64) -> Tracer<'_> {
+        Tracer {
+            supports: self.supports,
+            radius: self.radius.series_at(u, Limit::Above, 0).value(),
+            size: self.tracer.size,
+        }
+    }
+
+    /// How smooth the contacts are where one passes a break: one order less than its support, whose normal enters.
+    fn smooth_at(&self, j: usize, at: f64) -> i32 {
+        let breaks = self.supports.breaks(j);
+        let n = breaks.len();
+        let inner = breaks[1..n - 1].iter().find(|b| b.at == at);
+        inner.map_or(0, |b| (b.smooth - 1).max(0))
+    }
+
+    /// An edge of a support that a contact cannot pass.
+    fn check_crease(
+        &self,
+        (before, x): (Place<Interval>, Place<f64>),
+        (after, y): (Place<Interval>, Place<f64>),
+        u: f64,
+        j: usize,
+    ) -> Result<(), FilletError> {
+        let radius = self.radius.series_at(u, Limit::Above, 0).value();
+        let normal = |x, within| {
+            let s = self.supports.state(x, within, radius)?;
+            Some((s.normals[j / 2], s.contacts(radius)[j / 2]))
+        };
+        match (normal(x, before), normal(y, after)) {
+            (Some((m, p)), Some((n, _))) => {
+                let angle = m.angle_between(n);
+                if angle <= CREASE {
+                    return Ok(());
+                }
+                Err(FilletError::Crease {
+                    index: j / 2,
+                    place: p + self.supports.origin,
+                    angle,
+                })
+            }
+            _ => Err(self.lost(x, u)),
+        }
+    }
+}
