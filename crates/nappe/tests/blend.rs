@@ -13,7 +13,7 @@ use nappe::surface::{
     Blend, BlendError, BlendOptions, Dir, Elementary, Quadric, QuadricOptions, QuadricShape,
     Revolution, RevolutionOptions, Side, Surface, SurfaceRef, bilinear, ruled,
 };
-use nappe::{Box3, Break, DAffine3, DVec3, Frame, Interval, Limit};
+use nappe::{Box3, Break, DAffine3, DVec3, Frame, Interval, Limit, UNIT_BREAKS};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -427,6 +427,10 @@ fn a_break_of_both_sides_is_one() {
     assert_eq!(s.breaks(Dir::U).len(), 3, "{:?}", s.breaks(Dir::U));
     // Between breaks of one surface there is a piece, however short.
     let thin = strip(1e-17, 0.0);
+    let o = BlendOptions {
+        continuity: [0, 2],
+        ..o
+    };
     let s = blend((&thin, Side::North), (&b, Side::South), &o);
     assert_eq!(s.breaks(Dir::U).len(), 4, "{:?}", s.breaks(Dir::U));
 }
@@ -552,6 +556,29 @@ fn the_exact_form_has_a_low_degree() {
     );
 }
 
+/// `(u, √u, 1 - v)`, with an infinite derivative along u at u = 0.
+#[derive(Debug)]
+struct Steep;
+
+impl Surface for Steep {
+    fn breaks(&self, _: Dir) -> &[Break] {
+        &UNIT_BREAKS
+    }
+
+    fn jet_into(&self, [x, y]: [f64; 2], _: [Limit; 2], order: usize, out: &mut [DVec3]) {
+        out.fill(DVec3::ZERO);
+        out[0] = v(x, x.sqrt(), 1.0 - y);
+        if order > 0 {
+            out[1] = v(1.0, 0.5 / x.sqrt(), 0.0);
+            out[2] = v(0.0, 0.0, -1.0);
+        }
+    }
+
+    fn enclose_piece(&self, _: [Interval; 2], _: [Limit; 2], _: usize, out: &mut [Box3]) {
+        out.fill(Box3::ENTIRE);
+    }
+}
+
 #[test]
 fn bad_data_is_refused() {
     let a = spline(20, DVec3::ZERO, 1.0, false);
@@ -608,6 +635,12 @@ fn bad_data_is_refused() {
     };
     let e = err(north, (&ball, meridian), &BlendOptions::default());
     assert!(matches!(e, BlendError::NoPlane { end: 1, .. }), "{e}");
+    // Where only points are met, a side of infinite slope will do.
+    let steep: SurfaceRef = Arc::new(Steep);
+    let s = blend((&steep, Side::North), south, &options([0, 2]));
+    assert!(s.point([0.25, 0.0]).distance(v(0.25, 0.5, 0.0)) <= 1e-15);
+    let e = err((&steep, Side::North), south, &options([1, 2]));
+    assert!(matches!(e, BlendError::NotFinite { end: 0, .. }), "{e}");
     // Points are no obstacle: straight lines to a pole.
     laws::surface(&blend((&ball, pole), south, &options([0, 2])));
     // A net whose first two rows are one line of points: no derivative across.
