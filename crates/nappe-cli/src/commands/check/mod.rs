@@ -41,8 +41,8 @@ mod passing;
 /// part only, of which the same bounds are told along the stretch in common. The last line tells how many claims are only
 /// estimated and how many pairs are not decided.
 ///
-/// With --draw, a picture shows all sides in the colour of the smoothness that they reach, the claims that fail, and the
-/// places where surfaces fold over, cross or are not decided.
+/// With --draw, a picture shows all sides in the colour of the smoothness that they reach, the claims that fail or are not
+/// proven, and the places where surfaces fold over, cross or are not decided. A torn surface cannot be drawn.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
