@@ -60,6 +60,11 @@ impl<'a> Partial<'a> {
         }
     }
 
+    /// The pairs of sides.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = [(usize, Side); 2]> {
+        self.found.iter().map(|j| [j.along, j.part])
+    }
+
     /// How smoothly the sides meet along each stretch.
     pub(crate) fn measured(&self) -> Vec<Stretch> {
         let joints = self.found.iter().enumerate();

@@ -36,6 +36,7 @@ impl Builder<'_> {
             continuity,
             bulge,
             reverse: f.get("reverse").map(|_| f.flag("reverse")),
+            ..standard
         };
         let [first, second] = sides;
         let blend = Blend::new(first, second, &options).map_err(|e| self.blend_error(o, &e))?;
@@ -62,6 +63,7 @@ impl Builder<'_> {
                 ("continuity", vec![*end], "write \"G0\", \"G1\" or \"G2\"")
             }
             BlendError::Bulge { end, .. } => ("bulge", vec![*end], "write a number greater than 0"),
+            BlendError::Range { end, .. } => ("bulge", vec![*end], "write a number near 1"),
             BlendError::NotFinite { end, .. } => (
                 "between",
                 vec![*end],

@@ -1,6 +1,7 @@
 //! Where a curve or surface is less smooth, and from which side a limit is taken.
 
 use crate::interval::Interval;
+use smallvec::SmallVec;
 
 /// From which side a value is taken where a map is only piecewise smooth. At a domain end the inner side is meant.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -125,18 +126,30 @@ impl Breaks for [Break] {
 }
 
 /// The breaks of several maps over the same domain taken together; at equal parameters the least smooth counts.
-/// Parameters closer than 4 units in the last place of the domain's ends are one break.
+/// Parameters of different maps closer than 4 units in the last place of the domain's ends are one break.
 pub fn merge_breaks<'a>(lists: impl IntoIterator<Item = &'a [Break]>) -> Vec<Break> {
-    let mut all: Vec<Break> = lists.into_iter().flatten().copied().collect();
-    all.sort_by(|a, b| a.at.total_cmp(&b.at));
+    let lists = lists.into_iter().enumerate();
+    let mut all: Vec<(usize, Break)> = lists
+        .flat_map(|(list, breaks)| breaks.iter().map(move |b| (list, *b)))
+        .collect();
+    all.sort_by(|a, b| a.1.at.total_cmp(&b.1.at));
+    let ends = [all.first(), all.last()];
+    let farthest = |far: f64, b: &(usize, Break)| far.max(b.1.at.abs());
+    let near = 4.0 * f64::EPSILON * ends.into_iter().flatten().fold(0.0, farthest);
     let mut merged: Vec<Break> = Vec::with_capacity(all.len());
-    for b in all {
+    // The maps that have the last break: between two breaks of one map there is a piece, however short.
+    let mut having: SmallVec<[usize; 8]> = SmallVec::new();
+    for (list, b) in all {
         match merged.last_mut() {
-            Some(last) if b.at - last.at <= 4.0 * f64::EPSILON * b.at.abs().max(last.at.abs()) => {
+            Some(last) if b.at - last.at <= near && !having.contains(&list) => {
                 last.smooth = last.smooth.min(b.smooth);
             }
-            _ => merged.push(b),
+            _ => {
+                merged.push(b);
+                having.clear();
+            }
         }
+        having.push(list);
     }
     merged
 }

@@ -13,8 +13,9 @@ use nappe::surface::{
     Blend, BlendError, BlendOptions, Dir, Elementary, Quadric, QuadricOptions, QuadricShape,
     Revolution, RevolutionOptions, Side, Surface, SurfaceRef, bilinear, ruled,
 };
-use nappe::{DAffine3, DVec3, Frame, Limit};
+use nappe::{Box3, Break, DAffine3, DVec3, Frame, Interval, Limit, UNIT_BREAKS};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -185,6 +186,7 @@ fn it_is_the_missing_piece_of_a_polynomial_surface() {
                 let free = blend((&a, last), (&b, first), &options(continuity));
                 let found = free.factors();
                 let o = BlendOptions {
+                    as_parametrised: true,
                     bulge: [0, 1].map(|k| {
                         if continuity[k] == 0 {
                             1.0
@@ -269,11 +271,12 @@ fn tangent_planes_and_curvatures_agree() {
     }
 }
 
-/// `r_v = a n` and `r_vv = a² m` at the first side, with the signs that follow at the second.
+/// `r_v = a n` and `r_vv = a² m + c n` with one c all along at the first side, with the signs that follow at the second.
 fn derivatives_agree(s: &Blend, ends: [(&SurfaceRef, Side); 2], scale: f64, rounding: f64) {
-    for k in 0..=50 {
-        let t = k as f64 / 50.0;
-        for (end, (surface, side)) in ends.into_iter().enumerate() {
+    for (end, (surface, side)) in ends.into_iter().enumerate() {
+        let mut evened: Option<f64> = None;
+        for k in 0..=50 {
+            let t = k as f64 / 50.0;
             let limit = |x: f64| if x < 1.0 { Limit::Above } else { Limit::Below };
             let own = s.jet([t, end as f64], [limit(t), limit(end as f64)], 2);
             let turned = end == 1 && s.is_reversed();
@@ -311,9 +314,125 @@ fn derivatives_agree(s: &Blend, ends: [(&SurfaceRef, Side); 2], scale: f64, roun
             let size = 1e-13 * scale * rounding;
             assert!(own.point().distance(d(0)) <= size);
             assert!(own.partial(0, 1).distance(d(1) * a) <= 10.0 * size);
-            assert!(own.partial(0, 2).distance(d(2) * a * a) <= 100.0 * size);
+            let more = own.partial(0, 2) - d(2) * a * a;
+            let c = *evened.get_or_insert(more.dot(d(1)) / d(1).length_squared());
+            assert!(more.distance(d(1) * c) <= 1000.0 * size);
         }
     }
+}
+
+/// A flat patch whose parameter slows down towards the side: the blend goes on evenly in the plane, and is G2.
+#[test]
+fn uneven_parameters_do_not_fold_it() {
+    let points: Vec<DVec3> = (0..4)
+        .flat_map(|i| [0.0, 0.5, 0.95, 1.0].map(|y| v(i as f64, y, 0.0)))
+        .collect();
+    let slow: SurfaceRef = Arc::new(NurbsSurface::bezier(4, &points, None).unwrap());
+    let corner = |x: f64, y: f64| v(3.0 * x, 2.0 + y, 0.0);
+    let corners = [0.0, 1.0].map(|x| [0.0, 1.0].map(|y| corner(x, y)));
+    let even: SurfaceRef = Arc::new(bilinear(corners).unwrap());
+    let ends = [(&slow, Side::North), (&even, Side::South)];
+    let s = blend(ends[0], ends[1], &BlendOptions::default());
+    for k in 0..=100 {
+        let y = k as f64 / 100.0;
+        assert!(s.point([0.3, y]).distance(v(0.9, 1.0 + y, 0.0)) <= 1e-13);
+    }
+    // As it is parametrised it folds.
+    let o = BlendOptions {
+        as_parametrised: true,
+        ..BlendOptions::default()
+    };
+    assert!(blend(ends[0], ends[1], &o).point([0.3, 0.4]).y < 0.0);
+    // A bent one stays G2.
+    let bent = points.iter().map(|p| v(p.x, p.y, p.y * p.y + 0.2 * p.x));
+    let bent: Vec<DVec3> = bent.collect();
+    let bent: SurfaceRef = Arc::new(NurbsSurface::bezier(4, &bent, None).unwrap());
+    let ends = [(&bent, Side::North), (&even, Side::South)];
+    for j in joints(
+        &blend(ends[0], ends[1], &BlendOptions::default()),
+        ends,
+        1.0,
+    ) {
+        assert_eq!(j.proven(1e-10, 1e-7, 1e-5), Some(Smoothness::G2));
+    }
+}
+
+/// A surface that counts how often it is evaluated.
+#[derive(Debug)]
+struct Counted(SurfaceRef, AtomicUsize);
+
+impl Surface for Counted {
+    fn breaks(&self, dir: Dir) -> &[Break] {
+        self.0.breaks(dir)
+    }
+
+    fn jet_into(&self, uv: [f64; 2], limit: [Limit; 2], order: usize, out: &mut [DVec3]) {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.jet_into(uv, limit, order, out);
+    }
+
+    fn enclose_piece(&self, uv: [Interval; 2], limit: [Limit; 2], order: usize, out: &mut [Box3]) {
+        self.1.fetch_add(1, Ordering::Relaxed);
+        self.0.enclose_piece(uv, limit, order, out);
+    }
+}
+
+/// A blend of a blend of a blend evaluates the surface at its end once.
+#[test]
+fn blends_of_blends_cost_no_power() {
+    let counted = Arc::new(Counted(
+        spline(30, DVec3::ZERO, 1.0, false),
+        AtomicUsize::new(0),
+    ));
+    let mut last: SurfaceRef = counted.clone();
+    for k in 0..3 {
+        let next = spline(31 + k, v(4.0 * (k + 1) as f64, 4.0, 0.3), 1.0, false);
+        let s = blend(
+            (&last, Side::East),
+            (&next, Side::West),
+            &BlendOptions::default(),
+        );
+        // Its west and east lie beside the first surface.
+        last = Arc::new(s);
+    }
+    counted.1.store(0, Ordering::Relaxed);
+    last.jet([0.3, 0.6], [Limit::Above; 2], 2);
+    assert_eq!(counted.1.load(Ordering::Relaxed), 1);
+    last.enclose_piece(
+        [Interval::new(0.3, 0.31), Interval::new(0.6, 0.61)],
+        [Limit::Above; 2],
+        0,
+        &mut [Box3::ENTIRE],
+    );
+    assert_eq!(counted.1.load(Ordering::Relaxed), 2);
+}
+
+/// 1 - 0.97 is not 0.03 to the last bit: one break all the same.
+#[test]
+fn a_break_of_both_sides_is_one() {
+    let strip = |knot: f64, y: f64| -> SurfaceRef {
+        let knots = [vec![0.0, 0.0, knot, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]];
+        let points: Vec<DVec3> = [0.0, knot, 1.0]
+            .iter()
+            .flat_map(|&x| [v(x, y, 0.0), v(x, y + 1.0, 0.0)])
+            .collect();
+        Arc::new(NurbsSurface::new([1, 1], knots, &points, None).unwrap())
+    };
+    let o = BlendOptions {
+        reverse: Some(true),
+        ..BlendOptions::default()
+    };
+    let (a, b) = (strip(0.03, 0.0), strip(0.97, 3.0));
+    let s = blend((&a, Side::North), (&b, Side::South), &o);
+    assert_eq!(s.breaks(Dir::U).len(), 3, "{:?}", s.breaks(Dir::U));
+    // Between breaks of one surface there is a piece, however short.
+    let thin = strip(1e-17, 0.0);
+    let o = BlendOptions {
+        continuity: [0, 2],
+        ..o
+    };
+    let s = blend((&thin, Side::North), (&b, Side::South), &o);
+    assert_eq!(s.breaks(Dir::U).len(), 4, "{:?}", s.breaks(Dir::U));
 }
 
 /// What is not asked for is not there: with G1 the curvatures differ, with G0 the tangent planes.
@@ -437,6 +556,29 @@ fn the_exact_form_has_a_low_degree() {
     );
 }
 
+/// `(u, √u, 1 - v)`, with an infinite derivative along u at u = 0.
+#[derive(Debug)]
+struct Steep;
+
+impl Surface for Steep {
+    fn breaks(&self, _: Dir) -> &[Break] {
+        &UNIT_BREAKS
+    }
+
+    fn jet_into(&self, [x, y]: [f64; 2], _: [Limit; 2], order: usize, out: &mut [DVec3]) {
+        out.fill(DVec3::ZERO);
+        out[0] = v(x, x.sqrt(), 1.0 - y);
+        if order > 0 {
+            out[1] = v(1.0, 0.5 / x.sqrt(), 0.0);
+            out[2] = v(0.0, 0.0, -1.0);
+        }
+    }
+
+    fn enclose_piece(&self, _: [Interval; 2], _: [Limit; 2], _: usize, out: &mut [Box3]) {
+        out.fill(Box3::ENTIRE);
+    }
+}
+
 #[test]
 fn bad_data_is_refused() {
     let a = spline(20, DVec3::ZERO, 1.0, false);
@@ -454,6 +596,15 @@ fn bad_data_is_refused() {
             err(north, south, &o),
             BlendError::Bulge { end: 1, .. }
         ));
+    }
+    // Numbers themselves, but not their squares.
+    for value in [1e160, 1e-170] {
+        let o = BlendOptions {
+            bulge: [value, 1.0],
+            ..BlendOptions::default()
+        };
+        let e = err(north, south, &o);
+        assert!(matches!(e, BlendError::Range { end: 0, .. }), "{e}");
     }
     assert_eq!(
         err(north, south, &options([3, 2])),
@@ -484,6 +635,12 @@ fn bad_data_is_refused() {
     };
     let e = err(north, (&ball, meridian), &BlendOptions::default());
     assert!(matches!(e, BlendError::NoPlane { end: 1, .. }), "{e}");
+    // Where only points are met, a side of infinite slope will do.
+    let steep: SurfaceRef = Arc::new(Steep);
+    let s = blend((&steep, Side::North), south, &options([0, 2]));
+    assert!(s.point([0.25, 0.0]).distance(v(0.25, 0.5, 0.0)) <= 1e-15);
+    let e = err((&steep, Side::North), south, &options([1, 2]));
+    assert!(matches!(e, BlendError::NotFinite { end: 0, .. }), "{e}");
     // Points are no obstacle: straight lines to a pole.
     laws::surface(&blend((&ball, pole), south, &options([0, 2])));
     // A net whose first two rows are one line of points: no derivative across.

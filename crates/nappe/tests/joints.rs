@@ -137,6 +137,78 @@ fn sides_that_overlap_in_a_stretch() {
     assert!((along.lo - 0.75).abs() < 1e-12);
 }
 
+/// An open side along a closed one: it begins, ends or passes where the closed one begins.
+#[test]
+fn open_sides_along_closed_ones() {
+    let turned = |from: DVec3, to: DVec3, start: f64, angle: f64| -> SurfaceRef {
+        let line: CurveRef = Arc::new(NurbsCurve::bezier(&[from, to], None).unwrap());
+        let options = RevolutionOptions {
+            start,
+            angle,
+            construction: Construction::Angle,
+        };
+        Arc::new(Revolution::new(line, Frame::WORLD, options).unwrap())
+    };
+    let [low, middle, high] = [v(1.0, 0.0, 0.0), v(1.0, 0.0, 1.0), v(2.0, 0.0, 2.0)];
+    let pipe = turned(low, middle, 0.0, TAU);
+    let quarter = TAU / 4.0;
+    // The start and the sweep in quarters (negative: backwards), and the stretches of the pipe, first those at the start.
+    type Ranges<'a> = &'a [[f64; 2]];
+    let cases: [(f64, f64, Ranges); 9] = [
+        (3.0, 2.0, &[[0.75, 1.0], [0.0, 0.25]]),
+        (3.0, 1.0, &[[0.75, 1.0]]),
+        (0.0, 1.0, &[[0.0, 0.25]]),
+        (1.0, 1.0, &[[0.25, 0.5]]),
+        (1.0, -2.0, &[[0.0, 0.25], [0.75, 1.0]]),
+        (1.0, -1.0, &[[0.0, 0.25]]),
+        (0.0, -1.0, &[[0.75, 1.0]]),
+        // The last samples lie just before and just after the seam.
+        (2.999, 1.0, &[[0.74975, 0.99975]]),
+        (3.001, 1.0, &[[0.75025, 1.0], [0.0, 0.00025]]),
+    ];
+    for (start, sweep, expected) in cases {
+        let mirror = DAffine3::from_scale(v(1.0, sweep.signum(), 1.0));
+        let start_angle = start * sweep.signum() * quarter;
+        let flap = turned(middle, high, start_angle, sweep.abs() * quarter);
+        let flap: SurfaceRef = Arc::new(Transformed::new(flap, mirror).unwrap());
+        let all = [pipe.clone(), flap];
+        let found = found(&all);
+        assert_eq!(found.len(), 1, "{start} {sweep}: {found:?}");
+        let joint = found[0];
+        assert_eq!(
+            [joint.along, joint.part],
+            [(0, Side::East), (1, Side::West)]
+        );
+        let stretches: Vec<[Interval; 2]> = joint.stretches.into_iter().flatten().collect();
+        assert_eq!(
+            stretches.len(),
+            expected.len(),
+            "{start} {sweep}: {joint:?}"
+        );
+        let mut from = 0.0;
+        for ([part, along], ends) in stretches.iter().zip(expected) {
+            assert!(
+                (along.lo - ends[0]).abs() < 1e-9,
+                "{start} {sweep}: {joint:?}"
+            );
+            assert!(
+                (along.hi - ends[1]).abs() < 1e-9,
+                "{start} {sweep}: {joint:?}"
+            );
+            assert!((part.lo - from).abs() < 1e-9);
+            assert!((part.width() - along.width() * 4.0 / sweep.abs()).abs() < 1e-8);
+            from = part.hi;
+        }
+        assert!((from - 1.0).abs() < 1e-9);
+        let measured = measured(&all, joint);
+        assert_eq!(measured.len(), expected.len());
+        for c in measured {
+            assert!(c.gap.within(1e-9) == Some(true), "{start} {sweep}: {c:?}");
+            assert!((c.angle.found - FRAC_PI_4).abs() < 1e-9);
+        }
+    }
+}
+
 #[test]
 fn closed_sides_with_other_starts() {
     let ring = |from: DVec3, to: DVec3, start: f64| -> SurfaceRef {

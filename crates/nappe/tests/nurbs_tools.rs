@@ -330,3 +330,28 @@ fn bad_requests_are_named() {
     assert!(s.elevated([2, 2]).is_err());
     assert!(compatible(&[]).unwrap().is_empty());
 }
+
+/// Of order 0 it is the isoparametric curve, also of a surface far from the origin; of order 1 the derivative.
+#[test]
+fn the_derivative_across_of_order_zero_is_the_curve() {
+    for weights in [None, Some([1.0, 2.0, 0.7, 1.3, 0.9, 1.1])] {
+        let points = [
+            (0.0, 0.0),
+            (0.0, 1.0),
+            (0.0, 2.0),
+            (2.0, 0.0),
+            (2.0, 1.5),
+            (2.0, 3.0),
+        ];
+        let points = points.map(|(x, y)| v(100.0 + x, y - 50.0, x * y));
+        let s = NurbsSurface::bezier(2, &points, weights.as_ref().map(|w| w.as_slice())).unwrap();
+        let across = |k: usize| s.cross_derivative(Dir::V, 0.3, Limit::Above, k).unwrap();
+        let (line, slope) = (across(0), across(1));
+        for k in 0..=20 {
+            let t = k as f64 / 20.0;
+            let d = s.jet([0.3, t], [Limit::Above; 2], 1);
+            assert!(line.point(t).distance(d.point()) <= 1e-12);
+            assert!(slope.point(t).distance(d.partial(1, 0)) <= 1e-12);
+        }
+    }
+}

@@ -43,10 +43,8 @@ fn claims_that_hold_pass_and_others_fail() {
     assert_snapshot!("check-fails", String::from_utf8(run.stdout).unwrap());
 }
 
-#[test]
-fn a_claim_about_normals_that_do_not_exist_is_not_proven() {
-    // The second surface leaves its west side, where its derivative across vanishes, at a right angle to the first.
-    let still = r#"
+/// The second surface leaves its west side, where its derivative across vanishes, at a right angle to the first.
+const STILL: &str = r#"
 tolerance = 0.01
 [surfaces.a]
 kind = "bilinear"
@@ -55,6 +53,9 @@ corners = [[[20, 0, 0], [20, 10, 0]], [[30, 0, 0], [30, 10, 0]]]
 kind = "bezier"
 points = [[[30, 0, 0], [30, 10, 0]], [[30, 0, 0], [30, 10, 0]], [[30, 0, 9], [30, 10, 9]]]
 "#;
+
+#[test]
+fn a_claim_about_normals_that_do_not_exist_is_not_proven() {
     // Two triangles that have a corner in common, as collapsed sides.
     let tips = r#"
 tolerance = 0.01
@@ -65,7 +66,7 @@ points = [[[0, 0, 0], [0, 0, 0]], [[1, 0, 0], [1, 1, 0]]]
 kind = "bezier"
 points = [[[-1, 0, 3], [-1, -1, 5]], [[0, 0, 0], [0, 0, 0]]]
 "#;
-    for (model, sides) in [(still, ["a.east", "b.west"]), (tips, ["a.west", "b.east"])] {
+    for (model, sides) in [(STILL, ["a.east", "b.west"]), (tips, ["a.west", "b.east"])] {
         for (continuity, tolerance) in [("G1", "\"1deg\""), ("G2", "0.001")] {
             let claim = claim(sides[0], sides[1], continuity, tolerance);
             let run =
@@ -283,6 +284,45 @@ fn sides_that_meet_in_part_are_measured_along_it() {
 }
 
 #[test]
+fn a_claim_of_sides_that_meet_in_part_says_so() {
+    let claim = claim("left.south", "floor.north", "G1", "\"1deg\"");
+    let folder = Folder::with_model(&format!("{IN_PART}{claim}"));
+    let run = folder.nappe("check model.nappe.toml");
+    assert_eq!(run.code, 1);
+    let text = String::from_utf8(run.stdout).unwrap();
+    assert!(
+        text.contains("the sides meet in part only  fails"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_torn_surface_is_not_drawn_as_if_whole() {
+    let folder = Folder::with_torn_surface();
+    let run = folder.nappe("check model.nappe.toml --draw a.svg");
+    assert_eq!(run.code, 1);
+    let text = String::from_utf8(run.stdout).unwrap();
+    assert!(text.contains("torn at u = 0.5: it jumps there"), "{text}");
+    assert!(run.stderr.contains("torn at u = 0.5"), "{}", run.stderr);
+    assert!(!folder.names().contains(&"a.svg".to_owned()));
+}
+
+const NOT_TO_THE_END: &str = "in part, but not from end to end";
+const CREASE: &str = "a crease in a surface";
+
+/// A strip with a bend of about an angle in its middle.
+fn bent(angle: &str) -> String {
+    let line = |y: u8| {
+        format!("{{ kind = \"polyline\", points = [[0, {y}, 0], [1, {y}, 0], [2, {y}, {angle}]] }}")
+    };
+    format!(
+        "[surfaces.strip]\nkind = \"ruled\"\nsouth = {}\nnorth = {}\n",
+        line(0),
+        line(1)
+    )
+}
+
+#[test]
 fn joints_are_drawn_by_what_they_reach() {
     let wrong = claim("floor.east", "wall.west", "G1", "\"45deg\"");
     let folder = Folder::with_model(&format!("{MODEL}{wrong}"));
@@ -297,14 +337,14 @@ fn joints_are_drawn_by_what_they_reach() {
     let svg = String::from_utf8(folder.read("joints.svg")).unwrap();
     let says = |svg: &str, text: &str| svg.contains(&format!(">{text}</text>"));
     for text in [
-        "G0: an edge or a crease",
+        "G0: an edge",
         "G2",
         "an open side",
-        "a claim fails",
+        "a claim fails or is not proven",
     ] {
         assert!(says(&svg, text), "{text}");
     }
-    for text in ["G1", "not joined: a gap", "not joined: other ends", "cross"] {
+    for text in ["G1", "not joined: a gap", NOT_TO_THE_END, CREASE, "cross"] {
         assert!(!says(&svg, text), "{text}");
     }
     // What is said of other models.
@@ -325,14 +365,27 @@ corners = [[[0, 0, 0], [0, 1, 0]], [[1, 1, 0], [1, 0, 0]]]
     for (model, text) in [
         (format!("{MODEL}{crossing}"), "cross"),
         (apart, "not joined: a gap"),
-        (IN_PART.to_owned(), "not joined: other ends"),
+        // Sides that meet in part, by what they reach there.
+        (IN_PART.to_owned(), "G0: an edge"),
+        (IN_PART.to_owned(), "G2"),
+        (bent("0.01"), CREASE),
+        (STILL.to_owned(), "G0; more is not proven"),
         (folded.to_owned(), "folds over"),
     ] {
         let folder = Folder::with_model(&model);
         folder.nappe("check model.nappe.toml --draw a.svg --view 20,50");
         let svg = String::from_utf8(folder.read("a.svg")).unwrap();
         assert!(says(&svg, text), "{text}");
+        assert!(!says(&svg, NOT_TO_THE_END), "{text}");
     }
+    // Less than 0.1° is smooth, in a surface as between two.
+    let folder = Folder::with_model(&bent("0.0005"));
+    folder.nappe("check model.nappe.toml --draw a.svg");
+    assert!(!says(
+        &String::from_utf8(folder.read("a.svg")).unwrap(),
+        CREASE
+    ));
+    let folder = Folder::with_model(MODEL);
     // The picture has pixels too, and another view is another picture.
     let pictures = ["iso", "top"].map(|view| {
         folder.nappe(&format!(

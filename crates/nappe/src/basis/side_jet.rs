@@ -1,17 +1,19 @@
 //! A side of a surface and the derivatives across it, as functions.
 
-use super::{Coordinates, Functions, FunctionsRef, Stack};
+use super::Functions;
+use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit};
-use crate::curve::{CrossDerivative, CurveRef, Isocurve, Trimmed, on_unit_domain};
+use crate::curve::{Curve, Isocurve, Trimmed};
 use crate::exact::PiecewiseRational;
 use crate::interval::Interval;
-use crate::scalar::Pack;
-use crate::surface::{Dir, Side, SurfaceRef};
+use crate::surface::{Dir, Side, SurfaceRef, jet_index, jet_len};
 use glam::DVec3;
+use smallvec::SmallVec;
 use std::sync::Arc;
 
 /// The coordinates of a side of a surface, measured from an origin, and of its derivatives across the side up to an order:
-/// `3 (order + 1)` functions on `[0, 1]`. The derivatives are with respect to the surface's own growing parameter.
+/// `3 (order + 1)` functions on `[0, 1]`. The derivatives are with respect to the surface's own growing parameter. The surface
+/// is evaluated once for all of them, so that a blend of blends costs no power of their number.
 #[derive(Clone, Debug)]
 pub(crate) struct SideJet {
     surface: SurfaceRef,
@@ -19,7 +21,8 @@ pub(crate) struct SideJet {
     reversed: bool,
     order: usize,
     origin: DVec3,
-    functions: Stack,
+    /// The side on the unit range: the derivatives across have its breaks.
+    line: Trimmed,
 }
 
 impl SideJet {
@@ -30,23 +33,10 @@ impl SideJet {
         order: usize,
         origin: DVec3,
     ) -> Self {
-        let part = |k: usize| -> FunctionsRef {
-            let curve: CurveRef = if k == 0 {
-                Arc::new(Isocurve::side(surface.clone(), side))
-            } else {
-                Arc::new(CrossDerivative::side_of_order(surface.clone(), side, k))
-            };
-            let curve = if reversed {
-                Arc::new(Trimmed::reversed(curve))
-            } else {
-                on_unit_domain(curve)
-            };
-            let from = if k == 0 { origin } else { DVec3::ZERO };
-            Arc::new(Coordinates::new(curve, from))
-        };
-        let functions = Stack::new((0..=order).map(part).collect());
+        let line =
+            Trimmed::on_unit_range(Arc::new(Isocurve::side(surface.clone(), side)), reversed);
         Self {
-            functions,
+            line,
             surface,
             side,
             reversed,
@@ -58,6 +48,30 @@ impl SideJet {
     /// The point that positions are measured from.
     pub(crate) fn origin(&self) -> DVec3 {
         self.origin
+    }
+
+    /// The parameter that is held, and the limit from the inside of the surface.
+    fn held(&self) -> (f64, Limit) {
+        let held = self.surface.breaks(self.side.across()).domain();
+        if self.side.is_upper() {
+            (held.hi, Limit::Below)
+        } else {
+            (held.lo, Limit::Above)
+        }
+    }
+
+    /// `(u, v)` from what belongs to the direction along and to the one across.
+    fn place<T>(&self, along: T, across: T) -> [T; 2] {
+        match self.side.along() {
+            Dir::U => [along, across],
+            Dir::V => [across, along],
+        }
+    }
+
+    /// The place in a jet of the surface of the i-th derivative along and the k-th across.
+    fn index(&self, i: usize, k: usize) -> usize {
+        let [i, j] = self.place(i, k);
+        jet_index(i, j)
     }
 
     /// The derivative of the k-th order across the side, with the derivatives along it up to `order`.
@@ -73,23 +87,47 @@ impl SideJet {
 
 impl Functions for SideJet {
     fn count(&self) -> usize {
-        self.functions.count()
+        3 * (self.order + 1)
     }
 
     fn breaks(&self) -> &[Break] {
-        self.functions.breaks()
+        self.line.breaks()
     }
 
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {
-        self.functions.jet_into(t, limit, order, out);
-    }
-
-    fn pack_into(&self, t: Pack, limit: Limit, order: usize, out: &mut [Pack]) {
-        self.functions.pack_into(t, limit, order, out);
+        let (t, limit) = self.line.locate(t, limit);
+        let (at, inside) = self.held();
+        let total = order + self.order;
+        let mut d: SmallVec<[DVec3; 15]> = SmallVec::from_elem(DVec3::ZERO, jet_len(total));
+        let limits = self.place(limit, inside);
+        self.surface
+            .jet_into(self.place(t, at), limits, total, &mut d);
+        d[0] -= self.origin;
+        let mut factor = 1.0;
+        for (i, row) in out.chunks_exact_mut(self.count()).enumerate() {
+            for (k, o) in row.chunks_exact_mut(3).enumerate() {
+                (d[self.index(i, k)] * factor).write_to_slice(o);
+            }
+            factor *= self.line.ratio();
+        }
     }
 
     fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]) {
-        self.functions.enclose_piece(t, limit, order, out);
+        let (t, limit) = self.line.locate_piece(t, limit);
+        let (at, inside) = self.held();
+        let total = order + self.order;
+        let mut d: SmallVec<[Box3; 15]> = SmallVec::from_elem(Box3::ENTIRE, jet_len(total));
+        let uv = self.place(t, Interval::point(at));
+        self.surface
+            .enclose_piece(uv, self.place(limit, inside), total, &mut d);
+        d[0] = d[0] - Box3::point(self.origin);
+        let mut factor = Interval::ONE;
+        for (i, row) in out.chunks_exact_mut(self.count()).enumerate() {
+            for (k, o) in row.chunks_exact_mut(3).enumerate() {
+                o.copy_from_slice(&d[self.index(i, k)].scale(factor).to_array());
+            }
+            factor = factor * self.line.enclosed_ratio();
+        }
     }
 
     /// With one denominator for all: one by one, the functions would have different powers of it, and their product in
@@ -106,14 +144,10 @@ impl Functions for SideJet {
             Dir::U => [unit, own],
             Dir::V => [own, unit],
         };
-        let (at, limit) = if self.side.is_upper() {
-            (held.hi, Limit::Below)
-        } else {
-            (held.lo, Limit::Above)
-        };
+        let (at, limit) = self.held();
         let nurbs = nurbs.on_domain(u, v).ok()?;
         nurbs
-            .cross_derivatives(along, at, limit, self.order, Some(self.origin))
+            .cross_derivatives(along, at, limit, self.order, self.origin)
             .ok()
     }
 }

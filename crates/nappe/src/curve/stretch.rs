@@ -65,12 +65,13 @@ impl Stretch {
         &self.breaks
     }
 
-    fn ratio(&self) -> f64 {
+    /// The curve's parameter over the outer one.
+    pub(super) fn ratio(&self) -> f64 {
         (self.inner[1] - self.inner[0]) / (self.outer.hi - self.outer.lo)
     }
 
     /// The curve's parameter and the limit that selects the right piece of it.
-    fn locate(&self, t: f64, limit: Limit) -> (f64, Limit) {
+    pub(super) fn locate(&self, t: f64, limit: Limit) -> (f64, Limit) {
         let i = self.breaks.find(t, limit);
         let piece = self.pieces[i];
         let Interval { lo, hi } = self.outer;
@@ -98,12 +99,20 @@ impl Stretch {
         }
     }
 
-    pub(super) fn enclose_piece(&self, t: Interval, limit: Limit, out: &mut [Box3]) {
+    pub(super) fn enclosed_ratio(&self) -> Interval {
+        let n = Interval::point;
+        let [from, to] = self.inner.map(n);
+        (to - from) / (n(self.outer.hi) - n(self.outer.lo))
+    }
+
+    /// An enclosure of the curve's parameters for `t`, which lies in one piece, and the limit that selects the right piece of
+    /// the curve.
+    pub(super) fn locate_piece(&self, t: Interval, limit: Limit) -> (Interval, Limit) {
         let i = self.breaks.find(t.mid(), limit);
         let piece = self.pieces[i];
         let n = Interval::point;
         let [from, to] = self.inner.map(n);
-        let ratio = (to - from) / (n(self.outer.hi) - n(self.outer.lo));
+        let ratio = self.enclosed_ratio();
         let x = if t.mid() <= self.outer.mid() {
             from + (t - n(self.outer.lo)) * ratio
         } else {
@@ -118,7 +127,13 @@ impl Stretch {
         } else {
             x
         };
-        self.curve.enclose_piece(x, nearer_end(piece, x.mid()), out);
+        (x, nearer_end(piece, x.mid()))
+    }
+
+    pub(super) fn enclose_piece(&self, t: Interval, limit: Limit, out: &mut [Box3]) {
+        let (x, limit) = self.locate_piece(t, limit);
+        self.curve.enclose_piece(x, limit, out);
+        let ratio = self.enclosed_ratio();
         let mut factor = Interval::ONE;
         for d in &mut out[1..] {
             factor = factor * ratio;

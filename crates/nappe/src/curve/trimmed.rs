@@ -35,6 +35,37 @@ impl Trimmed {
             stretch: Stretch::new(curve, [hi, lo], Interval::UNIT),
         }
     }
+
+    /// The whole curve, forwards or backwards, on `[0, 1]`.
+    pub(crate) fn on_unit_range(curve: CurveRef, reversed: bool) -> Self {
+        if reversed {
+            return Self::reversed(curve);
+        }
+        let Interval { lo, hi } = curve.domain();
+        Self {
+            stretch: Stretch::new(curve, [lo, hi], Interval::UNIT),
+        }
+    }
+
+    /// The curve's parameter, and the limit that selects the right piece of it.
+    pub(crate) fn locate(&self, t: f64, limit: Limit) -> (f64, Limit) {
+        self.stretch.locate(t, limit)
+    }
+
+    /// The same for all parameters of a range in one piece.
+    pub(crate) fn locate_piece(&self, t: Interval, limit: Limit) -> (Interval, Limit) {
+        self.stretch.locate_piece(t, limit)
+    }
+
+    /// The derivative of the curve's parameter.
+    pub(crate) fn ratio(&self) -> f64 {
+        self.stretch.ratio()
+    }
+
+    /// An enclosure of the same.
+    pub(crate) fn enclosed_ratio(&self) -> Interval {
+        self.stretch.enclosed_ratio()
+    }
 }
 
 impl Curve for Trimmed {
@@ -66,7 +97,5 @@ pub fn on_unit_domain(curve: CurveRef) -> CurveRef {
     if (lo, hi) == (0.0, 1.0) {
         return curve;
     }
-    Arc::new(Trimmed {
-        stretch: Stretch::new(curve, [lo, hi], Interval::UNIT),
-    })
+    Arc::new(Trimmed::on_unit_range(curve, false))
 }

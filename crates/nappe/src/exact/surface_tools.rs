@@ -222,7 +222,7 @@ impl NurbsSurface {
         limit: Limit,
         order: usize,
     ) -> Result<NurbsCurve, NurbsError> {
-        let all = self.cross_derivatives(along, at, limit, order, None)?;
+        let all = self.cross_derivatives(along, at, limit, order, DVec3::ZERO)?;
         let pieces: Vec<Vec<Row>> = (0..all.breaks().pieces())
             .map(|i| {
                 let den = all.denominator(i);
@@ -236,7 +236,7 @@ impl NurbsSurface {
         NurbsCurve::from_spline(join(all.breaks(), all.degree(), &pieces))
     }
 
-    /// The coordinates of an isoparametric curve, measured from `origin` (or from the surface's own), and of the derivatives
+    /// The coordinates of an isoparametric curve, measured from `origin`, and of the derivatives
     /// across it up to an order: three functions for each. All have one denominator, the surface's to the power of
     /// `order + 1`.
     ///
@@ -247,7 +247,7 @@ impl NurbsSurface {
         at: f64,
         limit: Limit,
         order: usize,
-        origin: Option<DVec3>,
+        origin: DVec3,
     ) -> Result<PiecewiseRational, NurbsError> {
         let own = super::nurbs_curve::middle(self.homogeneous());
         let lines = self.contracted(along, at, limit, order, own);
@@ -255,7 +255,7 @@ impl NurbsSurface {
         let p = basis.degree();
         // Measured from a point near the curve: less cancellation in the quotients.
         let near = super::nurbs_curve::middle(&lines[0]);
-        let shift = own - origin.unwrap_or(own) + near;
+        let shift = own - origin + near;
         let local = |p: DVec4| (p.xyz() - near * p.w).extend(p.w);
         let mut breaks = Vec::new();
         let lines: Vec<Vec<Vec<Row>>> = lines

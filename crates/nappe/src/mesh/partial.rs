@@ -35,7 +35,7 @@ pub struct PartialJoint {
     /// True if both sides are closed and all of `part` lies on the other: they only start at different points.
     pub closed: bool,
     /// The ranges of `part` and of `along` that run along each other from end to end, in either direction: one, or two
-    /// where the other side starts in the middle of a closed one.
+    /// where the seam of a closed side is between its ends.
     pub stretches: [Option<[Interval; 2]>; 2],
 }
 
@@ -163,11 +163,24 @@ impl<'a> Line<'a> {
         nearest.map_or((0, f64::NAN), |(k, squared)| (k, squared.sqrt()))
     }
 
-    /// The parameter of the point nearest to `p`, which is near a sample.
+    /// The parameter of the point nearest to `p`, which is near a sample; of a closed line on either side of its seam.
     fn nearest(&self, p: DVec3, guess: usize) -> f64 {
         let at = |k: usize| self.edge.sample(k.min(GUESSES), GUESSES);
-        let range = Interval::new(at(guess.saturating_sub(1)), at(guess + 1));
-        self.edge.nearest(p, at(guess), range)
+        let near = |guess: usize| {
+            let range = Interval::new(at(guess.saturating_sub(1)), at(guess + 1));
+            self.edge.nearest(p, at(guess), range)
+        };
+        let t = near(guess);
+        if !self.near().closed || ![0, GUESSES].contains(&guess) {
+            return t;
+        }
+        let beyond = near(GUESSES - guess);
+        let distance = |t: f64| self.edge.point(t).distance(p);
+        if distance(beyond) < distance(t) {
+            beyond
+        } else {
+            t
+        }
     }
 
     /// The longest stretch of this side that lies on another one, and its share of this side.
@@ -244,20 +257,33 @@ impl<'a> Line<'a> {
         };
         let (first, second) = (end(0, before), end(last, after));
         let range = Interval::new(first.0, second.0);
-        let partners_of_ends = [first.1, second.1];
-        let rising = partners.windows(2).filter(|w| w[1].0 > w[0].0).count();
-        let stretches = if closed {
-            let start = other.edge.point(other.edge.range.lo);
-            let turn = self.nearest(start, self.guess(start).0);
-            around(
-                range,
-                turn,
-                other.edge.range,
-                partners[0].0,
-                2 * rising > last,
-            )
+        let whole = other.edge.range;
+        // A step over the seam of a closed side is a short one in the other direction.
+        let step = |w: &[(f64, f64)]| {
+            let step = w[1].0 - w[0].0;
+            if near.closed && step.abs() > 0.5 * whole.width() {
+                step - whole.width().copysign(step)
+            } else {
+                step
+            }
+        };
+        let rising = partners.windows(2).map(step).sum::<f64>() > 0.0;
+        let seam = other.edge.point(whole.lo);
+        let (lower, upper) = if rising {
+            (whole.lo, whole.hi)
         } else {
-            let [p, q] = partners_of_ends;
+            (whole.hi, whole.lo)
+        };
+        // At the seam the stretch begins or ends where it can go on from or to.
+        let at_seam = |t: f64| near.closed && other.edge.point(t).distance(seam) <= within;
+        let [p, q] = [(first.1, lower), (second.1, upper)]
+            .map(|(t, end)| if !closed && at_seam(t) { end } else { t });
+        let over_seam = closed || (near.closed && (p < q) != rising);
+        let stretches = if over_seam {
+            let turn = self.nearest(seam, self.guess(seam).0);
+            let partners = if closed { [partners[0].0; 2] } else { [p, q] };
+            around(range, turn, whole, partners, rising)
+        } else {
             let on_other = Interval::new(p.min(q), p.max(q));
             [(on_other.width() > 0.0).then_some([range, on_other]), None]
         };
@@ -265,7 +291,7 @@ impl<'a> Line<'a> {
             along: other.name(),
             part: self.name(),
             range,
-            partners: partners_of_ends,
+            partners: [p, q],
             ends: [first.2, second.2],
             gap: partners.iter().fold(0.0, |gap, p| p.1.max(gap)),
             closed,
@@ -275,25 +301,25 @@ impl<'a> Line<'a> {
     }
 }
 
-/// The stretches of a closed side that begins at the parameter `start` of another closed one, over `whole`, which begins at
-/// the parameter `turn` of the first; `rising` if both run in the same direction.
+/// The stretches of a side, over `range`, that lies on a closed one, over `whole`, from one of the parameters `partners` of it
+/// to the other, over its seam, which is at the parameter `turn` of the first; `rising` if both run in the same direction.
 fn around(
     range: Interval,
     turn: f64,
     whole: Interval,
-    start: f64,
+    [start, end]: [f64; 2],
     rising: bool,
 ) -> [Option<[Interval; 2]>; 2] {
     let halves = [
         Interval { hi: turn, ..range },
         Interval { lo: turn, ..range },
     ];
-    let upper = Interval { lo: start, ..whole };
-    let lower = Interval { hi: start, ..whole };
+    let from = |lo: f64| Interval { lo, ..whole };
+    let to = |hi: f64| Interval { hi, ..whole };
     let others = if rising {
-        [upper, lower]
+        [from(start), to(end)]
     } else {
-        [lower, upper]
+        [to(start), from(end)]
     };
     [0, 1].map(|k| {
         let stretch = [halves[k], others[k]];

@@ -21,6 +21,10 @@ pub struct BlendOptions {
     pub bulge: [f64; 2],
     /// Whether the second side is run through backwards. Default: whatever leaves corresponding points nearer.
     pub reverse: Option<bool>,
+    /// Whether second derivatives across are taken over as they are, so that the blend goes on with the parameters of the
+    /// surfaces as well. Default: no; where those run unevenly, the blend would fold. Common curvatures need it in neither
+    /// case.
+    pub as_parametrised: bool,
 }
 
 impl Default for BlendOptions {
@@ -29,6 +33,7 @@ impl Default for BlendOptions {
             continuity: [2; 2],
             bulge: [1.0; 2],
             reverse: None,
+            as_parametrised: false,
         }
     }
 }
@@ -47,6 +52,14 @@ pub enum BlendError {
     /// A factor is not a positive number.
     #[error("the bulge is {value} at the {} side: it must be a positive number", ["first", "second"][*end])]
     Bulge {
+        /// Which side.
+        end: usize,
+        /// The factor.
+        value: f64,
+    },
+    /// The powers of a factor are not numbers.
+    #[error("at the {} side the blend would go on over {value:e} times the range of the surface's parameter: the square of that, or of the width of this range, is no number greater than 0", ["first", "second"][*end])]
+    Range {
         /// Which side.
         end: usize,
         /// The factor.
@@ -94,10 +107,10 @@ pub enum BlendError {
 
 /// A surface from a side of one surface to a side of another that continues both, by Hermite interpolation across.
 ///
-/// On `[0, 1]²`, `r(u, v) = Σ_k aᵏ n_k(u) H_k(v) + Σ_k (-b)ᵏ m_k(u) G_k(v)`: n_k is the k-th derivative of the first surface
+/// On `[0, 1]²`, `r(u, v) = Σ_k aᵏ n_k(u) H_k(v) + Σ_k (-b)ᵏ m_k(u) G_k(v) + c n_1(u) H_2(v) + d m_1(u) G_2(v)`: n_k is the k-th derivative of the first surface
 /// out of it across its side, m_k that of the second, for parameters that run over a unit range; H and G are the
-/// [Hermite functions](Hermite) of the k-th derivatives at 0 and at 1. A surface continued by `v ↦ a v` has the derivatives
-/// `aᵏ n_k`, so with derivatives up to order 2 and a, b > 0 tangent planes and curvatures agree exactly (G2), with those up
+/// [Hermite functions](Hermite) of the k-th derivatives at 0 and at 1. A surface continued by `v ↦ a v + c v²/2` has the
+/// derivatives `a n_1` and `a² n_2 + c n_1`, so with derivatives up to order 2 and a, b > 0 tangent planes and curvatures agree exactly (G2), with those up
 /// to order 1 tangent planes (G1), and with the points alone the surface is ruled. The degree across is the number of
 /// derivatives taken less one: 5 for G2 at both sides.
 ///
@@ -105,9 +118,11 @@ pub enum BlendError {
 /// surface if its side is north or west, and opposite if it is south or east.
 ///
 /// The constants a and b follow from the bulge: `a` times the mean length of n_1 is the bulge times the mean distance of
-/// corresponding points. Where the surfaces have breaks along the sides, the blend has, as smooth as both. Exactly a NURBS
+/// corresponding points. The constants c and d leave the second derivatives without a part along the first ones, on the mean:
+/// `c = -a² ∫n_1·n_2 / ∫n_1²`, so that a surface whose parameter runs faster or slower towards the side is continued evenly
+/// (0 if this is not wanted, or for less than G2). Where the surfaces have breaks along the sides, the blend has, as smooth as both. Exactly a NURBS
 /// surface if both surfaces are: along u of the sides' degree if they are polynomials, else at most of three times the sum
-/// of their degrees.
+/// of their degrees; there is no such form if that is more than [`crate::basis::BSplineBasis::MAX_DEGREE`].
 ///
 /// Whether the surfaces can be continued (a tangent plane everywhere along the sides) is sampled. A closed side is not
 /// turned: both should start at places that face each other. A blend of sides whose surfaces point away from each other
@@ -168,7 +183,7 @@ impl Blend {
             .reverse
             .unwrap_or(apart[1].squares < apart[0].squares);
         let apart = &apart[usize::from(reversed)];
-        if apart.greatest <= ONE_POINT * apart.size {
+        if apart.greatest <= ONE_POINT * apart.size + rounding(origin) {
             return Err(BlendError::Same {
                 distance: apart.greatest,
             });
@@ -177,8 +192,6 @@ impl Blend {
             0 => 0.0,
             _ => options.bulge[end] * apart.mean / lengths[end],
         });
-        let [south, north] = jets;
-        let north = if reversed { jet(1, true) } else { north };
         // The derivatives across for parameters that grow from the first side to the second.
         let scales = [0, 1].map(|end| {
             let (surface, side) = &sides[end];
@@ -190,6 +203,21 @@ impl Blend {
                 -out * factors[1]
             }
         });
+        for end in (0..2).filter(|&end| orders[end] > 0) {
+            let square = scales[end] * scales[end];
+            if !(square > 0.0 && square.is_finite()) {
+                let value = factors[end];
+                return Err(BlendError::Range { end, value });
+            }
+        }
+        let evened = [0, 1].map(|end| {
+            if orders[end] < 2 || options.as_parametrised {
+                return 0.0;
+            }
+            -scales[end] * (scales[end] * unevenness(&jets[end]))
+        });
+        let [south, north] = jets;
+        let north = if reversed { jet(1, true) } else { north };
         let degree = orders[0] + orders[1] + 1;
         let axes = [DVec4::X, DVec4::Y, DVec4::Z];
         let mut terms = Vec::new();
@@ -205,8 +233,13 @@ impl Blend {
                 } else {
                     scales[end].powi(k as i32)
                 };
-                let term = |c: usize| Term::new(first + 3 * k + c, across, axes[c] * scale);
-                terms.extend((0..3).map(term));
+                let term = |of: usize, scale: f64| {
+                    move |c: usize| Term::new(first + 3 * of + c, across, axes[c] * scale)
+                };
+                terms.extend((0..3).map(term(k, scale)));
+                if k == 2 && evened[end] != 0.0 {
+                    terms.extend((0..3).map(term(1, evened[end])));
+                }
             }
         }
         let curves = Stack::new(vec![Arc::new(south) as FunctionsRef, Arc::new(north)]);
@@ -245,6 +278,25 @@ fn inside(t: f64) -> Limit {
     if t < 1.0 { Limit::Above } else { Limit::Below }
 }
 
+/// What rounding leaves of the distance of points that are one, for coordinates measured from a far origin.
+fn rounding(origin: DVec3) -> f64 {
+    4.0 * f64::EPSILON * origin.length()
+}
+
+/// `∫n_1·n_2 / ∫n_1²` of the first and second derivatives across; 0 if that is no number.
+fn unevenness(jet: &SideJet) -> f64 {
+    let mut sums = [0.0; 2];
+    for k in 0..PAIRS {
+        let t = (k as f64 + 0.5) / PAIRS as f64;
+        let d = jet.derivatives(t, inside(t), 0);
+        let (first, second) = (d[1][0], d[2][0]);
+        sums[0] += first.dot(second);
+        sums[1] += first.length_squared();
+    }
+    let ratio = sums[0] / sums[1];
+    if ratio.is_finite() { ratio } else { 0.0 }
+}
+
 /// Tells whether the surface can be continued over the side, if derivatives up to `order > 0` are to be taken over. Returns
 /// the mean length of the derivative across, for a unit range of the parameter; 0 if none is taken over.
 fn examine(
@@ -265,12 +317,13 @@ fn examine(
             } else {
                 (piece.lo + piece.width() * share, Limit::Above)
             };
-            let d = jet.derivatives(at, limit, 1);
+            let d = jet.derivatives(at, limit, order.min(1));
             if !d.iter().flatten().all(|x| x.is_finite()) {
                 return Err(BlendError::NotFinite { end, side, at });
             }
             let across = d.get(1).map_or(DVec3::ZERO, |n| n[0] * width);
-            found.push((at, d[0][0], d[0][1], across));
+            let along = d[0].get(1).copied().unwrap_or(DVec3::ZERO);
+            found.push((at, d[0][0], along, across));
         }
     }
     if order == 0 {
@@ -280,7 +333,7 @@ fn examine(
         |f: fn(&(f64, DVec3, DVec3, DVec3)) -> f64| found.iter().map(f).fold(0.0, f64::max);
     let (along, across) = (longest(|x| x.2.length()), longest(|x| x.3.length()));
     let extent = Box3::around(found.iter().map(|x| x.1)).map_or(0.0, Box3::diagonal);
-    if extent <= ONE_POINT * across {
+    if extent <= ONE_POINT * across + rounding(jet.origin()) {
         let point = found[0].1 + jet.origin();
         return Err(BlendError::Pole { end, side, point });
     }

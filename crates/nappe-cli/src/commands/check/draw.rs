@@ -1,6 +1,6 @@
 //! The picture of the joints: sides in the colour of what they reach, and the places where something is wrong.
 
-use super::{Declared, Findings, Reached};
+use super::{Declared, Findings, Reached, SMOOTH_ANGLE, reached};
 use crate::commands::render::{self, MOST_POINTS, PIXEL_SHARE, tell_left_out};
 use crate::failure::Failure;
 use crate::screen::Screen;
@@ -41,6 +41,7 @@ pub(super) struct Drawing {
 const SURFACE: Colour = [0.80, 0.82, 0.85];
 /// A band behind the sides of a claim that fails.
 const FAILED: Colour = [0.88, 0.05, 0.45];
+const UNMET: &str = "a claim fails or is not proven";
 const OPEN: Colour = [0.35, 0.38, 0.42];
 /// Where a surface folds over or passes through itself; where two cross, or touch; where nothing is decided.
 const BROKEN: Colour = [0.80, 0.06, 0.10];
@@ -52,10 +53,11 @@ const HIDDEN: f32 = 0.28;
 
 impl Reached {
     /// All, from worst to best.
-    const ALL: [Reached; 6] = [
+    const ALL: [Reached; 7] = [
         Reached::Apart,
         Reached::InPart,
         Reached::Edge,
+        Reached::Crease,
         Reached::Points,
         Reached::Tangents,
         Reached::Curvatures,
@@ -65,9 +67,10 @@ impl Reached {
     fn style(self) -> (Colour, f64, &'static str) {
         match self {
             Reached::Apart => ([0.80, 0.06, 0.10], 5.5, "not joined: a gap"),
-            Reached::InPart => ([0.62, 0.25, 0.72], 5.0, "not joined: other ends"),
-            Reached::Edge => ([0.93, 0.49, 0.05], 4.2, "G0: an edge or a crease"),
-            Reached::Points => ([0.85, 0.69, 0.08], 4.2, "G0 proven, no more"),
+            Reached::InPart => ([0.62, 0.25, 0.72], 5.0, "in part, but not from end to end"),
+            Reached::Edge => ([0.93, 0.49, 0.05], 4.2, "G0: an edge"),
+            Reached::Crease => ([0.93, 0.49, 0.05], 4.2, "a crease in a surface"),
+            Reached::Points => ([0.85, 0.69, 0.08], 4.2, "G0; more is not proven"),
             Reached::Tangents => ([0.13, 0.42, 0.75], 3.8, "G1"),
             Reached::Curvatures => ([0.10, 0.60, 0.46], 3.4, "G2"),
         }
@@ -215,13 +218,19 @@ fn overlay(model: &Model, found: &Findings, tolerance: f64) -> Result<Overlay, F
         joints.push((s.reached(), of(s.first, None)?));
     }
     for s in &found.stretches {
+        let reached = match &s.joint {
+            Some(j) if found.is_close(j) => reached(j),
+            Some(_) => Reached::Apart,
+            None => Reached::InPart,
+        };
         // Both: one may be hidden by the other where they lie apart.
         for (side, range) in s.sides.into_iter().zip(s.ranges) {
-            joints.push((Reached::InPart, of(side, Some([range.lo, range.hi]))?));
+            joints.push((reached, of(side, Some([range.lo, range.hi]))?));
         }
     }
     for (i, (s, _, creases)) in found.surfaces.iter().enumerate() {
-        for c in creases {
+        // As a joint at a smaller angle counts as smooth.
+        for c in creases.iter().filter(|c| c.angle > SMOOTH_ANGLE) {
             let along = match c.dir {
                 Dir::U => Dir::V,
                 Dir::V => Dir::U,
@@ -229,7 +238,7 @@ fn overlay(model: &Model, found: &Findings, tolerance: f64) -> Result<Overlay, F
             let curve = Isocurve::new(s.surface.clone(), along, c.at);
             let curve: CurveRef = Arc::new(curve.map_err(|e| refused(named[i], "a crease", &e))?);
             let points = flat(named[i], "a crease", curve)?;
-            joints.push((Reached::Edge, points));
+            joints.push((Reached::Crease, points));
         }
     }
     // The worst on top.
@@ -248,7 +257,7 @@ fn overlay(model: &Model, found: &Findings, tolerance: f64) -> Result<Overlay, F
         all.explain(OPEN, 1.6, false, "an open side");
     }
     if found.declared.iter().any(|d| !d.verdict.passes()) {
-        all.explain(FAILED.map(|c| 0.45 * c + 0.5), BAND, false, "a claim fails");
+        all.explain(FAILED.map(|c| 0.45 * c + 0.5), BAND, false, UNMET);
     }
     spots(found, &mut all);
     Ok(all)

@@ -41,8 +41,8 @@ mod passing;
 /// part only, of which the same bounds are told along the stretch in common. The last line tells how many claims are only
 /// estimated and how many pairs are not decided.
 ///
-/// With --draw, a picture shows all sides in the colour of the smoothness that they reach, the claims that fail, and the
-/// places where surfaces fold over, cross or are not decided.
+/// With --draw, a picture shows all sides in the colour of the smoothness that they reach, the claims that fail or are not
+/// proven, and the places where surfaces fold over, cross or are not decided. A torn surface cannot be drawn.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -153,6 +153,8 @@ struct Declared<'a> {
     check: &'a Check,
     /// `None`: the sides do not meet.
     joint: Option<Continuity>,
+    /// Without a joint: one lies along a part of the other.
+    in_part: bool,
     verdict: Verdict,
 }
 
@@ -197,7 +199,7 @@ impl<'a> Findings<'a> {
             step();
             d
         });
-        let declared = declared.collect();
+        let mut declared: Vec<Declared> = declared.collect();
         let name = |(i, side): (usize, Side)| format!("{}.{side}", named[i].name);
         let shared = met.joints.par_iter().map(|j| {
             let of = |(i, side): (usize, Side)| (surfaces[i].as_ref(), side);
@@ -230,6 +232,17 @@ impl<'a> Findings<'a> {
         let unit = model.units.symbol();
         let passing = Passing::of(&named, tolerance, unit);
         let in_part = Partial::of(model, &met, tolerance);
+        for d in declared.iter_mut().filter(|d| d.joint.is_none()) {
+            let of = |side: (usize, Side)| (named[side.0].name.as_str(), side.1);
+            let own = [0, 1]
+                .map(|k| &d.check.between[k])
+                .map(|s| (s.surface.as_str(), s.side));
+            let is_own = |pair: [(usize, Side); 2]| {
+                let [a, b] = pair.map(of);
+                [a, b] == own || [b, a] == own
+            };
+            d.in_part = in_part.pairs().any(is_own);
+        }
         let stretches = in_part.measured();
         progress.finish();
         Findings {
@@ -315,6 +328,7 @@ impl<'a> Findings<'a> {
         let mut table = Table::headed(["", "sides", "claim", "found", "verdict"]);
         for d in &self.declared {
             let found = match &d.joint {
+                None if d.in_part => "the sides meet in part only".to_owned(),
                 None => "the sides do not meet".to_owned(),
                 Some(j) => match d.check.tolerance {
                     CheckTolerance::Length(_) => format!("gap {}", self.length(&j.gap)),
@@ -480,6 +494,7 @@ impl<'a> Findings<'a> {
                     "continuity": d.check.continuity.name(),
                     "tolerance": { "of": kind, "value": tolerance },
                     "found": d.joint.as_ref().map(joint_json),
+                    "in_part": d.in_part,
                     "verdict": d.verdict.word(),
                     "passes": d.verdict.passes(),
                 })
@@ -588,6 +603,7 @@ fn declared(check: &Check, tolerance: f64) -> Declared<'_> {
     Declared {
         check,
         joint,
+        in_part: false,
         verdict,
     }
 }
@@ -597,11 +613,13 @@ fn declared(check: &Check, tolerance: f64) -> Declared<'_> {
 enum Reached {
     /// Too far apart to be joined.
     Apart,
-    /// Along a part of one of them only.
+    /// Along a part of one of them only, and there not from end to end.
     InPart,
     /// At an angle.
     Edge,
-    /// In their points; whether at an angle is not known.
+    /// A surface with itself at an angle.
+    Crease,
+    /// In their points; what is more is not proven.
     Points,
     /// With their tangent planes.
     Tangents,
@@ -623,7 +641,8 @@ fn reached(j: &Continuity) -> Reached {
     match j.proven(f64::INFINITY, SMOOTH_ANGLE, SAME_CURVATURE) {
         Some(Smoothness::G2) => Reached::Curvatures,
         Some(Smoothness::G1) => Reached::Tangents,
-        Some(Smoothness::G0) if j.angle.within(SMOOTH_ANGLE) == Some(false) => Reached::Edge,
+        // Found at one place is proven, also where the gap is only estimated.
+        _ if j.angle.within(SMOOTH_ANGLE) == Some(false) => Reached::Edge,
         _ => Reached::Points,
     }
 }
