@@ -176,6 +176,32 @@ const CURVES: &[CurveRow] = &[
         &[(0.0, [0.0, 2.0, 0.0]), (1.0, [3.0, 2.0, 0.0])],
     ),
     (
+        "trace",
+        "surface = 'flat'\nf = 'u - v'",
+        &[(0.0, [3.0, 2.0, 0.0]), (0.5, [1.5, 1.0, 0.0])],
+    ),
+    (
+        "section",
+        "surface = 'flat'\norigin = [1.5, 0, 0]\nnormal = 'x'",
+        &[(0.25, [1.5, 1.5, 0.0]), (1.0, [1.5, 0.0, 0.0])],
+    ),
+    (
+        "silhouette",
+        "surface = 'ring'\ndirection = 'z'\nbranch = 1\n[surfaces.ring]\nkind = 'torus'\nmajor = 3\nminor = 1",
+        &[(0.0, [4.0, 0.0, 0.0]), (0.5, [-4.0, 0.0, 0.0])],
+    ),
+    (
+        "isophote",
+        "surface = 'ring'\ndirection = 'z'\nangle = '90deg'\nbranch = 2\n[surfaces.ring]\nkind = 'torus'\nmajor = 3\nminor = 1",
+        &[(0.0, [2.0, 0.0, 0.0]), (0.5, [-2.0, 0.0, 0.0])],
+    ),
+    (
+        // The circle on top, where the torus has no curvature along one direction.
+        "isocurvature",
+        "surface = 'ring'\ncurvature = 'gaussian'\nvalue = 0\nbranch = 1\n[surfaces.ring]\nkind = 'torus'\nmajor = 3\nminor = 1",
+        &[(0.0, [3.0, 0.0, 1.0]), (0.5, [-3.0, 0.0, 1.0])],
+    ),
+    (
         "reverse",
         "curve = 'floor_line'",
         &[(0.0, [3.0, 0.0, 4.0]), (1.0, [1.0, 0.0, 0.0])],

@@ -212,8 +212,11 @@ fn round_a_cylinder_it_is_the_fillet_with_a_formula() {
         let f = traced(&supports, radius, sides(side));
         laws::surface_with(&f, 20);
         certify(&f, &supports, 12.0);
-        let finder =
-            Finder::new(&[Arc::new(exact) as SurfaceRef], FinderOptions::default()).unwrap();
+        let options = FinderOptions {
+            tol: Some(1e-13),
+            ..FinderOptions::default()
+        };
+        let finder = Finder::new(&[Arc::new(exact) as SurfaceRef], options).unwrap();
         for i in 0..=40 {
             let p = f.point([i as f64 / 40.0, 0.3]);
             let d = finder.nearest(p).unwrap();
