@@ -39,7 +39,7 @@ fn vector(v: &Value) -> [f64; 3] {
 /// less.
 #[test]
 fn another_kernel_agrees_about_distances_areas_and_centroids() {
-    for name in ["teapot", "hermite", "bezier-rib", "rational-basis"] {
+    for name in ["teapot", "hermite", "bezier-rib", "torus"] {
         let folder = Folder::new();
         let example = format!(
             "{}/../../examples/{name}.nappe.toml",
@@ -50,6 +50,10 @@ fn another_kernel_agrees_about_distances_areas_and_centroids() {
             &std::fs::read_to_string(example).unwrap(),
         );
         folder.nappe("build model.nappe.toml -o model.json").data();
+        let exact: Value = serde_json::from_slice(&folder.read("model.json")).unwrap();
+        for surface in exact["surfaces"].as_array().unwrap() {
+            assert_eq!(surface["exactness"]["is"], "exact", "{name}");
+        }
         let info = folder.nappe("info model.nappe.toml --format json");
         let info: Value = serde_json::from_str(info.data()).unwrap();
         let [lo, hi] = ["min", "max"].map(|k| vector(&info["box"][k]));

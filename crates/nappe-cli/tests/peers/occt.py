@@ -3,11 +3,11 @@
     python occt.py MODEL.json POINTS.csv < /dev/null > answers.json
 
 MODEL.json is what `nappe build -o MODEL.json` writes, POINTS.csv has the columns x, y, z. The answers: for each point the
-least distance to any of the surfaces (all solutions of an extremum search, and the borders); for each surface the area
-and the centre of the area. Exit code 3: Open CASCADE is not installed (`pip install cadquery-ocp`)."""
+least distance to any of the surfaces; for each surface the area and the centre of the area. Exit code 3: Open CASCADE is not installed (`pip install cadquery-ocp`)."""
 
 import csv
 import json
+import math
 import sys
 
 try:
@@ -18,10 +18,8 @@ except ImportError as e:
 
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeVertex
 from OCP.BRepExtrema import BRepExtrema_DistShapeShape
-from OCP.BRepGProp import BRepGProp
 from OCP.Geom import Geom_BSplineSurface
-from OCP.GProp import GProp_GProps
-from OCP.gp import gp_Pnt
+from OCP.gp import gp_Pnt, gp_Vec
 
 try:  # version 8 and later
     from OCP.collections import Array1_double, Array1_int, Array2_double, Array2_gp_Pnt
@@ -59,7 +57,8 @@ with open(sys.argv[1]) as f:
     model = json.load(f)
 with open(sys.argv[2]) as f:
     points = [[float(row[c]) for c in "xyz"] for row in csv.DictReader(f)]
-faces = [BRepBuilderAPI_MakeFace(surface(s), 1e-9).Face() for s in model["surfaces"]]
+surfaces = [surface(s) for s in model["surfaces"]]
+faces = [BRepBuilderAPI_MakeFace(s, 1e-9).Face() for s in surfaces]
 
 
 def distance(p):
@@ -67,11 +66,47 @@ def distance(p):
     return min(BRepExtrema_DistShapeShape(vertex, face).Value() for face in faces)
 
 
-def area(face):
-    properties = GProp_GProps()
-    BRepGProp.SurfaceProperties_s(face, properties, 1e-9)
-    c = properties.CentreOfMass()
-    return {"area": properties.Mass(), "centre": [c.X(), c.Y(), c.Z()]}
+def gauss(n):
+    """The nodes and weights of Gauss and Legendre on [0, 1], by Newton's method."""
+    out = []
+    for i in range(n):
+        x = math.cos(math.pi * (i + 0.75) / (n + 0.5))
+        for _ in range(50):
+            p, q = 1.0, x
+            for k in range(2, n + 1):
+                p, q = q, ((2 * k - 1) * x * q - (k - 1) * p) / k
+            slope = n * (x * q - p) / (x * x - 1)
+            x -= q / slope
+        out.append(((1 + x) / 2, 1 / ((1 - x * x) * slope * slope)))
+    return out
 
 
-json.dump({"distances": [distance(p) for p in points], "surfaces": [area(f) for f in faces]}, sys.stdout)
+RULE, PARTS = gauss(8), 8
+
+
+def places(all_knots):
+    """Places and weights for integrals along a parameter, in parts of each knot span."""
+    spans = sorted(set(all_knots))
+    for lo, hi in zip(spans, spans[1:]):
+        for part in range(PARTS):
+            for x, w in RULE:
+                yield lo + (hi - lo) * (part + x) / PARTS, w * (hi - lo) / PARTS
+
+
+def area(s, surface):
+    """From its derivatives: its own integrals of areas (BRepGProp) have a fixed number of nodes, and are wrong by up to three
+    thousandths on a teapot's patches."""
+    p, d_u, d_v = gp_Pnt(), gp_Vec(), gp_Vec()
+    total, moment = 0.0, [0.0] * 3
+    across = list(places(s["knots_v"]))
+    for u, a in places(s["knots_u"]):
+        for v, b in across:
+            surface.D1(u, v, p, d_u, d_v)
+            piece = a * b * d_u.Crossed(d_v).Magnitude()
+            total += piece
+            for k, x in enumerate((p.X(), p.Y(), p.Z())):
+                moment[k] += piece * x
+    return {"area": total, "centre": [m / total for m in moment]}
+
+
+json.dump({"distances": [distance(p) for p in points], "surfaces": [area(s, f) for s, f in zip(model["surfaces"], surfaces)]}, sys.stdout)
