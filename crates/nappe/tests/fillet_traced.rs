@@ -200,6 +200,44 @@ fn between_planes_it_is_the_fillet_with_a_formula() {
     }
 }
 
+/// A sheet curved across and extruded along x from 0 to 4, of a degree along x with one inner knot.
+fn extruded(degree: usize, knot: f64) -> SurfaceRef {
+    let n = degree + 2;
+    let mut knots = vec![0.0; degree + 1];
+    knots.push(knot);
+    knots.extend(vec![1.0; degree + 1]);
+    // Greville's abscissae: x is linear in the parameter.
+    let along = |i: usize| 4.0 * knots[i + 1..=i + degree].iter().sum::<f64>() / degree as f64;
+    let across = [v(0.0, -1.0, 0.3), v(0.0, 1.0, -0.3), v(0.0, 3.0, 0.5)];
+    let points: Vec<DVec3> = (0..n)
+        .flat_map(|i| across.map(|p| p + DVec3::X * along(i)))
+        .collect();
+    let bezier = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    Arc::new(NurbsSurface::new([degree, 2], [knots.clone(), bezier], &points, None).unwrap())
+}
+
+#[test]
+fn a_node_of_the_table_may_lie_on_a_break_of_a_support() {
+    let wall = plane(v(0.0, 0.0, -1.0), DVec3::Z * 5.0, DVec3::X * 4.0);
+    for degree in 1..=3 {
+        for knot in [0.25, 0.3, 0.5, 0.75] {
+            let supports = [extruded(degree, knot), wall.clone()];
+            let f = traced(&supports, Radius::Constant(0.3), Default::default());
+            laws::surface_with(&f, 20);
+            certify(&f, &supports, 5.0);
+            // Every section is the first one, moved along -x.
+            for i in 0..=64 {
+                let u = i as f64 / 64.0;
+                for b in [0.0, 0.4, 1.0] {
+                    let moved = f.point([u, b]) - f.point([0.0, b]);
+                    let away = (moved + DVec3::X * 4.0 * u).length();
+                    assert!(away < 1e-12, "{degree} {knot}: {moved} at {u}, {b}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn round_a_cylinder_it_is_the_fillet_with_a_formula() {
     let frame = Frame::along(v(0.5, -0.2, 0.0), DVec3::Z).unwrap();

@@ -546,20 +546,32 @@ impl Walker<'_> {
                     .ok_or_else(|| self.lost(x, u))?;
                 nodes.push(Node { u, x, d });
                 if u == event.at {
-                    breaks.push(event);
+                    let mut smooth = event.smooth;
                     pieces.push(Piece {
                         within,
                         nodes: std::mem::take(&mut nodes),
                     });
                     next += 1;
                     if next < events.len() {
+                        let before = within;
                         within = self.supports.pieces(x, d);
+                        // A contact may pass a break of its support at the same place.
+                        for j in (0..4).filter(|&j| within[j] != before[j]) {
+                            let end = if within[j].lo == before[j].hi {
+                                within[j].lo
+                            } else {
+                                within[j].hi
+                            };
+                            smooth = smooth.min(self.smooth_at(j, end));
+                            self.check_crease((before, x), (within, x), u, j)?;
+                        }
                         d = self
                             .slope(x, within, u, Limit::Above)
                             .ok_or_else(|| self.lost(x, u))?;
                         nodes.push(Node { u, x, d });
                         step = step.max(1.0 / (STEPS * (events.len() - 1) as f64));
                     }
+                    breaks.push(Break::new(event.at, smooth));
                 }
                 continue;
             }
@@ -587,11 +599,16 @@ impl Walker<'_> {
                 z
             };
             let before = within;
-            if at - u > ONE_PLACE {
-                let at = if event.at - at <= ONE_PLACE {
+            let fresh = at - u > ONE_PLACE;
+            if fresh || nodes.len() > 1 {
+                // A step may have ended on this end by itself: the place landed on is its last node then.
+                let at = if event.at - at.max(u) <= ONE_PLACE {
                     event.at
-                } else {
+                } else if fresh {
                     at
+                } else {
+                    nodes.pop();
+                    u
                 };
                 d = self
                     .slope(z, within, at, Limit::Below)
@@ -612,7 +629,11 @@ impl Walker<'_> {
                 }
                 u = at;
             } else {
+                // The piece has just begun: two ends at one place.
                 nodes.clear();
+                let last = breaks.len() - 1;
+                let b = &breaks[last];
+                breaks[last] = Break::new(b.at, b.smooth.min(smooth));
             }
             x = beyond;
             within = self.supports.pieces(x, d);
