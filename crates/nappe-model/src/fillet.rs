@@ -83,6 +83,11 @@ impl Builder<'_> {
                 vec![],
                 "take parts of the surfaces without that place, or another radius",
             ),
+            FilletError::Leaves { index, .. } => (
+                "between",
+                vec![*index],
+                "make the surface larger there, or write another radius",
+            ),
             FilletError::Crease { index, .. } => (
                 "between",
                 vec![*index],

@@ -239,6 +239,71 @@ fn a_node_of_the_table_may_lie_on_a_break_of_a_support() {
 }
 
 #[test]
+fn a_contact_that_leaves_between_two_places_of_the_table_is_noticed() {
+    let frame = Frame::along(v(0.1, 0.2, 0.5), v(0.3, 0.9, 0.2)).unwrap();
+    let sphere = quadric(QuadricShape::Sphere, &[2.0], frame, None);
+    // The contacts lie on a circle about (0.1, 0.2).
+    let ring = (2.4f64.powi(2) - 0.1f64.powi(2)).sqrt();
+    for depth in [1e-5, 6e-6, 1e-6, 1e-8] {
+        let end = 0.1 + ring - depth;
+        let low = v(-5.0, -5.0, 0.0);
+        let floor = plane(low, DVec3::X * (end + 5.0), DVec3::Y * 10.0);
+        let supports = [floor, sphere.clone()];
+        let made = Fillet::traced(
+            &supports[0],
+            &supports[1],
+            Radius::Constant(0.4),
+            Default::default(),
+        );
+        match made {
+            Err(FilletError::Leaves { index, place, .. }) => {
+                let top = v(0.1 + ring, 0.2, 0.4);
+                assert!(index == 0 && (place - top).length() < 0.02, "{place}");
+            }
+            // From the end of the floor to the end.
+            Ok(f) => {
+                for u in [0.0, 1.0] {
+                    let p = f.point([u, 0.0]);
+                    assert!((p.x - end).abs() < 1e-9, "{depth}: {p} at {u}");
+                }
+            }
+            Err(e) => panic!("{depth}: {e}"),
+        }
+        // The same line as a knot line.
+        let share = (end + 5.0) / 10.0;
+        let points: Vec<DVec3> = [0.0, share, 1.0]
+            .iter()
+            .flat_map(|x| [0.0, 1.0].map(|y| low + v(10.0 * x, 10.0 * y, 0.0)))
+            .collect();
+        let knots = [vec![0.0, 0.0, share, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]];
+        let net = NurbsSurface::new([1, 1], knots, &points, None).unwrap();
+        let supports = [Arc::new(net) as SurfaceRef, sphere.clone()];
+        let f = traced(&supports, Radius::Constant(0.4), Default::default());
+        certify(&f, &supports, 10.0);
+        let gap = f.point([0.0, 0.3]) - f.point([1.0, 0.3]);
+        assert!(gap.length() < 1e-12, "closed");
+        // Beyond the knot line the contact goes as far as the circle.
+        let reach = |u: f64| f.point([u, 0.0]).x;
+        let n = 2000;
+        let at = |i: usize| i as f64 / n as f64;
+        let top = (0..=n).max_by(|&a, &b| reach(at(a)).total_cmp(&reach(at(b))));
+        let top = at(top.unwrap());
+        let [mut lo, mut hi] = [(top - at(1)).max(0.0), (top + at(1)).min(1.0)];
+        for _ in 0..80 {
+            let [a, b] = [lo + (hi - lo) / 3.0, hi - (hi - lo) / 3.0];
+            if reach(a) < reach(b) {
+                lo = a;
+            } else {
+                hi = b;
+            }
+        }
+        let most = reach(0.5 * (lo + hi)).max(reach(0.0));
+        let short = 0.1 + ring - most;
+        assert!(short.abs() < 1e-10, "{depth}: {short:e} short");
+    }
+}
+
+#[test]
 fn round_a_cylinder_it_is_the_fillet_with_a_formula() {
     let frame = Frame::along(v(0.5, -0.2, 0.0), DVec3::Z).unwrap();
     let f = Frame::along(DVec3::ZERO, v(0.3, -0.1, 1.0)).unwrap();
@@ -250,8 +315,11 @@ fn round_a_cylinder_it_is_the_fillet_with_a_formula() {
         let f = traced(&supports, radius, sides(side));
         laws::surface_with(&f, 20);
         certify(&f, &supports, 12.0);
-        let finder =
-            Finder::new(&[Arc::new(exact) as SurfaceRef], FinderOptions::default()).unwrap();
+        let options = FinderOptions {
+            tol: Some(1e-13),
+            ..Default::default()
+        };
+        let finder = Finder::new(&[Arc::new(exact) as SurfaceRef], options).unwrap();
         for i in 0..=40 {
             let p = f.point([i as f64 / 40.0, 0.3]);
             let d = finder.nearest(p).unwrap();

@@ -96,6 +96,16 @@ pub enum FilletError {
         /// The ball's centre.
         place: DVec3,
     },
+    /// A contact leaves its support inside of the path, or runs along a line where the support's formula changes.
+    #[error("at u = {at}, about {}, the contact with the {} surface leaves it and comes back, or runs along an end of one of its pieces: make the surface larger, move its knots, or change the radius", place_of(*place), ordinal(*index))]
+    Leaves {
+        /// 0 or 1.
+        index: usize,
+        /// The parameter.
+        at: f64,
+        /// The ball's centre.
+        place: DVec3,
+    },
     /// A part of a traced fillet.
     #[error(
         "a range is given, but only fillets between two planes, and between a plane and a cylinder, are made in part"

@@ -3,7 +3,7 @@
 use super::contact::{AT_BREAK, Place, Supports};
 use super::find::Search;
 use super::rolling_ball::prove;
-use super::spine::{Node, Piece, Spine, course, newton};
+use super::spine::{Node, Piece, Spine, Unsettled, course, newton};
 use super::trace::{Lost, Trace, Tracer};
 use super::{FilletError, FilletOptions, Radius};
 use crate::breaks::{Break, Limit, merge_breaks};
@@ -32,6 +32,8 @@ const ASTRAY: f64 = 0.2;
 const CREASE: f64 = 1e-6;
 /// A contact where less than this is left of the curvature is taken as the reason why a ball is lost.
 const TIGHT: f64 = 0.05;
+/// How often a table is made again with one more place.
+const MOST_STOPS: usize = 8;
 /// Steps from one radius to another.
 const RADII: usize = 8;
 
@@ -61,20 +63,48 @@ pub(super) fn spine(
         radius: &radius,
         guide: &guide,
     };
-    let (breaks, pieces) = walker.walk(path.start)?;
-    let mut spine = Spine::new(
-        supports.clone(),
-        radius.clone(),
-        guide.clone(),
-        breaks,
-        pieces,
-    );
-    if let Err(at) = spine.settle() {
-        return Err(refused(&spine, 1, at, 0.0));
-    }
+    let spine = settled(&walker, path.start)?;
     match prove(spine.ranges(), |u| spine.margins(u, Limit::Above)) {
         Ok(()) => Ok(spine),
         Err((condition, at, margin)) => Err(refused(&spine, condition, at, margin)),
+    }
+}
+
+/// The table with its proof. A contact that leaves its piece between two places of the table and comes back is seen by the
+/// proof: the table is made again with a place there.
+fn settled(walker: &Walker, start: Place<f64>) -> Result<Spine, FilletError> {
+    let mut stops: Vec<f64> = Vec::new();
+    let mut left = None;
+    loop {
+        let (breaks, pieces) = match walker.walk(start, &stops) {
+            Ok(table) => table,
+            Err(e) => return Err(left.unwrap_or(e)),
+        };
+        let mut spine = Spine::new(
+            walker.supports.clone(),
+            walker.radius.clone(),
+            walker.guide.clone(),
+            breaks,
+            pieces,
+        );
+        match spine.settle() {
+            Ok(()) => return Ok(spine),
+            Err(Unsettled::Unproven { at }) => return Err(refused(&spine, 1, at, 0.0)),
+            Err(Unsettled::Leaves { at, j }) => {
+                let place = spine.centre(at) + walker.supports.origin;
+                let leaves = FilletError::Leaves {
+                    index: j / 2,
+                    at,
+                    place,
+                };
+                if stops.len() == MOST_STOPS || stops.contains(&at) {
+                    return Err(leaves);
+                }
+                left = Some(leaves);
+                stops.push(at);
+                stops.sort_by(f64::total_cmp);
+            }
+        }
     }
 }
 
@@ -105,10 +135,8 @@ fn guided<'a>(
 
 /// Why a spine is refused, from the condition that is not met.
 fn refused(spine: &Spine, condition: usize, at: f64, margin: f64) -> FilletError {
-    let ball = spine.ball(at, Limit::Above, 0);
-    let radius = ball.radius.value();
-    let place =
-        DVec3::from_array(ball.centre.each_ref().map(|x| x.value())) + spine.supports.origin;
+    let radius = spine.radius.series_at(at, Limit::Above, 0).value();
+    let place = spine.centre(at) + spine.supports.origin;
     // What is tighter comes first: a ball that cuts into a support breaks the other conditions too.
     let cuts = |k: usize, most: f64| {
         let fit = spine.fit(at, k).filter(|f| *f < most)?;
@@ -467,7 +495,12 @@ impl Walker<'_> {
         (last <= 1e-9 * self.tracer.size && u.is_finite()).then_some((u, x))
     }
 
-    fn walk(&self, start: Place<f64>) -> Result<(Vec<Break>, Vec<Piece>), FilletError> {
+    /// The breaks of the table and its pieces, with a place at each of some parameters, which increase.
+    fn walk(
+        &self,
+        start: Place<f64>,
+        stops: &[f64],
+    ) -> Result<(Vec<Break>, Vec<Piece>), FilletError> {
         let lessened = |breaks: &[Break], by: i32| -> Vec<Break> {
             let less = |b: &Break| Break::new(b.at, b.smooth - by);
             breaks.iter().map(less).collect()
@@ -499,9 +532,10 @@ impl Walker<'_> {
         let mut step = 1.0 / (STEPS * (events.len() - 1) as f64);
         while next < events.len() {
             let event = events[next];
-            let whole = event.at - u;
-            let to = if step >= whole * (1.0 - 1e-9) {
-                event.at
+            let stop = stops[stops.partition_point(|s| *s <= u + SHORTEST)..].first();
+            let goal = stop.map_or(event.at, |s| s.min(event.at));
+            let to = if step >= (goal - u) * (1.0 - 1e-9) {
+                goal
             } else {
                 u + step
             };
@@ -582,7 +616,11 @@ impl Walker<'_> {
                 let slack = |k: usize| 1e3 * AT_BREAK * domain[k].width();
                 let inside = (0..4)
                     .all(|k| z[k] >= within[k].lo - slack(k) && z[k] <= within[k].hi + slack(k));
-                (at >= u - ONE_PLACE && at <= to + ONE_PLACE && inside).then_some((at, z, j, end))
+                // Not where the contact has just come in.
+                let inwards = if end == within[j].hi { -d[j] } else { d[j] };
+                let entered = nodes.len() == 1 && at - u <= ONE_PLACE && inwards > 0.0;
+                let on = at >= u - ONE_PLACE && at <= to + ONE_PLACE;
+                (on && inside && !entered).then_some((at, z, j, end))
             });
             let Some((at, z, j, end)) = landed else {
                 step = 0.5 * (to - u);
