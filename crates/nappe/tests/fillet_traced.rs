@@ -304,6 +304,55 @@ fn a_contact_that_leaves_between_two_places_of_the_table_is_noticed() {
 }
 
 #[test]
+fn a_closed_path_needs_a_closed_radius() {
+    let thick = cylinder(
+        Frame::along(DVec3::ZERO, DVec3::X).unwrap(),
+        2.0,
+        [-5.0, 5.0],
+    );
+    let thin = cylinder(
+        Frame::along(DVec3::ZERO, DVec3::Z).unwrap(),
+        1.2,
+        [0.0, 5.0],
+    );
+    let supports = [thick, thin];
+    // The sine of the rounded 2π is not 0.
+    let radius = expression("0.2+0.1*sin(2*pi*u)");
+    let f = traced(&supports, radius, sides([true, true]));
+    let [a, b] = [(0.0, Limit::Above), (1.0, Limit::Below)].map(|(u, limit)| {
+        assert!((f.ball(u).1 - 0.2).abs() < 1e-15);
+        f.jet([u, 0.3], [limit, Limit::Above], 1).d
+    });
+    assert_ne!(f.ball(0.0).1, f.ball(1.0).1, "closed by rounding only");
+    for k in 0..3 {
+        assert!((a[k] - b[k]).length() < 1e-10, "{k}: {} and {}", a[k], b[k]);
+    }
+    // The contacts jump where they pass the seam of their cylinder, and only there.
+    for k in 0..2 {
+        let contacts = f.contacts(k).unwrap();
+        let inner = &contacts.breaks()[1..contacts.breaks().len() - 1];
+        let at = |u: f64, limit: Limit| {
+            let mut uv = [0.0; 2];
+            contacts.jet_into(u, limit, 0, &mut uv);
+            uv
+        };
+        for b in inner {
+            let [p, q] = [at(b.at, Limit::Below), at(b.at, Limit::Above)];
+            let jump = (p[0] - q[0]).abs().max((p[1] - q[1]).abs());
+            assert_eq!(b.smooth == -1, jump > 1e-9, "{k}: {jump} at {}", b.at);
+        }
+    }
+    let e = refused(&supports, expression("0.4+0.1*u"), sides([true, true]));
+    assert_eq!(e, FilletError::Unclosed { from: 0.4, to: 0.5 });
+    let nowhere = FilletOptions {
+        near: Some(DVec3::NAN),
+        ..sides([true, true])
+    };
+    let e = refused(&supports, Radius::Constant(0.4), nowhere);
+    assert!(matches!(e, FilletError::Near { .. }), "{e}");
+}
+
+#[test]
 fn round_a_cylinder_it_is_the_fillet_with_a_formula() {
     let frame = Frame::along(v(0.5, -0.2, 0.0), DVec3::Z).unwrap();
     let f = Frame::along(DVec3::ZERO, v(0.3, -0.1, 1.0)).unwrap();

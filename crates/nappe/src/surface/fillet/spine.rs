@@ -626,8 +626,28 @@ impl Functions for Spine {
 /// The parameters of one contact, two functions of u: the trimming curve in the parameter plane of a support.
 #[derive(Clone, Debug)]
 pub(super) struct ContactCurve {
-    pub spine: std::sync::Arc<Spine>,
-    pub index: usize,
+    spine: std::sync::Arc<Spine>,
+    index: usize,
+    breaks: Vec<Break>,
+}
+
+impl ContactCurve {
+    /// The curve on one support. At the seam of a closed support it jumps to the other side.
+    pub(super) fn new(spine: std::sync::Arc<Spine>, index: usize) -> Self {
+        let mut breaks = spine.breaks.clone();
+        for (b, pair) in breaks[1..].iter_mut().zip(spine.pieces.windows(2)) {
+            let before = pair[0].nodes[pair[0].nodes.len() - 1].x;
+            let after = pair[1].nodes[0].x;
+            if (2 * index..2 * index + 2).any(|j| before[j] != after[j]) {
+                *b = Break::new(b.at, -1);
+            }
+        }
+        Self {
+            spine,
+            index,
+            breaks,
+        }
+    }
 }
 
 impl Functions for ContactCurve {
@@ -636,7 +656,7 @@ impl Functions for ContactCurve {
     }
 
     fn breaks(&self) -> &[Break] {
-        &self.spine.breaks
+        &self.breaks
     }
 
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {
