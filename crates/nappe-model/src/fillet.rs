@@ -83,6 +83,17 @@ impl Builder<'_> {
                 vec![],
                 "take parts of the surfaces without that place, or another radius",
             ),
+            FilletError::Leaves { index, .. } => (
+                "between",
+                vec![*index],
+                "make the surface larger there, or write another radius",
+            ),
+            FilletError::Unclosed { .. } => (
+                "radius",
+                vec![],
+                "write a function of u with period 1, such as 1 + 0.1*sin(2*pi*u)",
+            ),
+            FilletError::Near { .. } => ("near", vec![], "write three finite numbers"),
             FilletError::Crease { index, .. } => (
                 "between",
                 vec![*index],

@@ -200,6 +200,158 @@ fn between_planes_it_is_the_fillet_with_a_formula() {
     }
 }
 
+/// A sheet curved across and extruded along x from 0 to 4, of a degree along x with one inner knot.
+fn extruded(degree: usize, knot: f64) -> SurfaceRef {
+    let n = degree + 2;
+    let mut knots = vec![0.0; degree + 1];
+    knots.push(knot);
+    knots.extend(vec![1.0; degree + 1]);
+    // Greville's abscissae: x is linear in the parameter.
+    let along = |i: usize| 4.0 * knots[i + 1..=i + degree].iter().sum::<f64>() / degree as f64;
+    let across = [v(0.0, -1.0, 0.3), v(0.0, 1.0, -0.3), v(0.0, 3.0, 0.5)];
+    let points: Vec<DVec3> = (0..n)
+        .flat_map(|i| across.map(|p| p + DVec3::X * along(i)))
+        .collect();
+    let bezier = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+    Arc::new(NurbsSurface::new([degree, 2], [knots.clone(), bezier], &points, None).unwrap())
+}
+
+#[test]
+fn a_node_of_the_table_may_lie_on_a_break_of_a_support() {
+    let wall = plane(v(0.0, 0.0, -1.0), DVec3::Z * 5.0, DVec3::X * 4.0);
+    for degree in 1..=3 {
+        for knot in [0.25, 0.3, 0.5, 0.75] {
+            let supports = [extruded(degree, knot), wall.clone()];
+            let f = traced(&supports, Radius::Constant(0.3), Default::default());
+            laws::surface_with(&f, 20);
+            certify(&f, &supports, 5.0);
+            // Every section is the first one, moved along -x.
+            for i in 0..=64 {
+                let u = i as f64 / 64.0;
+                for b in [0.0, 0.4, 1.0] {
+                    let moved = f.point([u, b]) - f.point([0.0, b]);
+                    let away = (moved + DVec3::X * 4.0 * u).length();
+                    assert!(away < 1e-12, "{degree} {knot}: {moved} at {u}, {b}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_contact_that_leaves_between_two_places_of_the_table_is_noticed() {
+    let frame = Frame::along(v(0.1, 0.2, 0.5), v(0.3, 0.9, 0.2)).unwrap();
+    let sphere = quadric(QuadricShape::Sphere, &[2.0], frame, None);
+    // The contacts lie on a circle about (0.1, 0.2).
+    let ring = (2.4f64.powi(2) - 0.1f64.powi(2)).sqrt();
+    for depth in [1e-5, 6e-6, 1e-6, 1e-8] {
+        let end = 0.1 + ring - depth;
+        let low = v(-5.0, -5.0, 0.0);
+        let floor = plane(low, DVec3::X * (end + 5.0), DVec3::Y * 10.0);
+        let supports = [floor, sphere.clone()];
+        let made = Fillet::traced(
+            &supports[0],
+            &supports[1],
+            Radius::Constant(0.4),
+            Default::default(),
+        );
+        match made {
+            Err(FilletError::Leaves { index, place, .. }) => {
+                let top = v(0.1 + ring, 0.2, 0.4);
+                assert!(index == 0 && (place - top).length() < 0.02, "{place}");
+            }
+            // From the end of the floor to the end.
+            Ok(f) => {
+                for u in [0.0, 1.0] {
+                    let p = f.point([u, 0.0]);
+                    assert!((p.x - end).abs() < 1e-9, "{depth}: {p} at {u}");
+                }
+            }
+            Err(e) => panic!("{depth}: {e}"),
+        }
+        // The same line as a knot line.
+        let share = (end + 5.0) / 10.0;
+        let points: Vec<DVec3> = [0.0, share, 1.0]
+            .iter()
+            .flat_map(|x| [0.0, 1.0].map(|y| low + v(10.0 * x, 10.0 * y, 0.0)))
+            .collect();
+        let knots = [vec![0.0, 0.0, share, 1.0, 1.0], vec![0.0, 0.0, 1.0, 1.0]];
+        let net = NurbsSurface::new([1, 1], knots, &points, None).unwrap();
+        let supports = [Arc::new(net) as SurfaceRef, sphere.clone()];
+        let f = traced(&supports, Radius::Constant(0.4), Default::default());
+        certify(&f, &supports, 10.0);
+        let gap = f.point([0.0, 0.3]) - f.point([1.0, 0.3]);
+        assert!(gap.length() < 1e-12, "closed");
+        // Beyond the knot line the contact goes as far as the circle.
+        let reach = |u: f64| f.point([u, 0.0]).x;
+        let n = 2000;
+        let at = |i: usize| i as f64 / n as f64;
+        let top = (0..=n).max_by(|&a, &b| reach(at(a)).total_cmp(&reach(at(b))));
+        let top = at(top.unwrap());
+        let [mut lo, mut hi] = [(top - at(1)).max(0.0), (top + at(1)).min(1.0)];
+        for _ in 0..80 {
+            let [a, b] = [lo + (hi - lo) / 3.0, hi - (hi - lo) / 3.0];
+            if reach(a) < reach(b) {
+                lo = a;
+            } else {
+                hi = b;
+            }
+        }
+        let most = reach(0.5 * (lo + hi)).max(reach(0.0));
+        let short = 0.1 + ring - most;
+        assert!(short.abs() < 1e-10, "{depth}: {short:e} short");
+    }
+}
+
+#[test]
+fn a_closed_path_needs_a_closed_radius() {
+    let thick = cylinder(
+        Frame::along(DVec3::ZERO, DVec3::X).unwrap(),
+        2.0,
+        [-5.0, 5.0],
+    );
+    let thin = cylinder(
+        Frame::along(DVec3::ZERO, DVec3::Z).unwrap(),
+        1.2,
+        [0.0, 5.0],
+    );
+    let supports = [thick, thin];
+    // The sine of the rounded 2π is not 0.
+    let radius = expression("0.2+0.1*sin(2*pi*u)");
+    let f = traced(&supports, radius, sides([true, true]));
+    let [a, b] = [(0.0, Limit::Above), (1.0, Limit::Below)].map(|(u, limit)| {
+        assert!((f.ball(u).1 - 0.2).abs() < 1e-15);
+        f.jet([u, 0.3], [limit, Limit::Above], 1).d
+    });
+    assert_ne!(f.ball(0.0).1, f.ball(1.0).1, "closed by rounding only");
+    for k in 0..3 {
+        assert!((a[k] - b[k]).length() < 1e-10, "{k}: {} and {}", a[k], b[k]);
+    }
+    // The contacts jump where they pass the seam of their cylinder, and only there.
+    for k in 0..2 {
+        let contacts = f.contacts(k).unwrap();
+        let inner = &contacts.breaks()[1..contacts.breaks().len() - 1];
+        let at = |u: f64, limit: Limit| {
+            let mut uv = [0.0; 2];
+            contacts.jet_into(u, limit, 0, &mut uv);
+            uv
+        };
+        for b in inner {
+            let [p, q] = [at(b.at, Limit::Below), at(b.at, Limit::Above)];
+            let jump = (p[0] - q[0]).abs().max((p[1] - q[1]).abs());
+            assert_eq!(b.smooth == -1, jump > 1e-9, "{k}: {jump} at {}", b.at);
+        }
+    }
+    let e = refused(&supports, expression("0.4+0.1*u"), sides([true, true]));
+    assert_eq!(e, FilletError::Unclosed { from: 0.4, to: 0.5 });
+    let nowhere = FilletOptions {
+        near: Some(DVec3::NAN),
+        ..sides([true, true])
+    };
+    let e = refused(&supports, Radius::Constant(0.4), nowhere);
+    assert!(matches!(e, FilletError::Near { .. }), "{e}");
+}
+
 #[test]
 fn round_a_cylinder_it_is_the_fillet_with_a_formula() {
     let frame = Frame::along(v(0.5, -0.2, 0.0), DVec3::Z).unwrap();
@@ -214,7 +366,7 @@ fn round_a_cylinder_it_is_the_fillet_with_a_formula() {
         certify(&f, &supports, 12.0);
         let options = FinderOptions {
             tol: Some(1e-13),
-            ..FinderOptions::default()
+            ..Default::default()
         };
         let finder = Finder::new(&[Arc::new(exact) as SurfaceRef], options).unwrap();
         for i in 0..=40 {

@@ -373,7 +373,7 @@ pub const SURFACES: &[Kind] = &[
                 "radius",
                 Formula(&["u"]),
                 Required,
-                "a number, or an expression in u, 0 to 1 along the edge, or nearly in proportion to the length of the ball's path: along the cross product of the normals towards the ball, of the first surface and of the second, so exchanging the two turns u round",
+                "a number, or an expression in u, 0 to 1 along the edge, or nearly in proportion to the length of the ball's path: along the cross product of the normals towards the ball, of the first surface and of the second, so exchanging the two turns u round; equal at 0 and 1 where the path closes",
             ),
             key(
                 "side",

@@ -30,6 +30,17 @@ fn other_radius(fits: Option<(f64, DVec3)>) -> String {
     }
 }
 
+fn why_lost(tight: Option<(usize, f64)>) -> String {
+    match tight {
+        None => "the surfaces touch each other, or one has a crease or a pole there".into(),
+        Some((index, largest)) => format!(
+            "the {} surface is curved there nearly as much as the ball (its radius is {})",
+            ordinal(index),
+            significant(largest, 4)
+        ),
+    }
+}
+
 /// What can be wrong with a fillet.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum FilletError {
@@ -67,14 +78,14 @@ pub enum FilletError {
         largest: f64,
     },
     /// The ball could not be followed.
-    #[error(
-        "a ball of radius {radius} cannot be followed beyond {}: the surfaces touch each other, or one has a crease or a pole there", place_of(*place)
-    )]
+    #[error("a ball of radius {radius} cannot be followed beyond {}: {}", place_of(*place), why_lost(*tight))]
     Lost {
         /// The ball's centre.
         place: DVec3,
         /// The radius there.
         radius: f64,
+        /// The surface, 0 or 1, that is curved there nearly as much as the ball, with its radius of curvature.
+        tight: Option<(usize, f64)>,
     },
     /// The ball would roll over a crease.
     #[error(
@@ -95,6 +106,32 @@ pub enum FilletError {
         at: f64,
         /// The ball's centre.
         place: DVec3,
+    },
+    /// A contact leaves its support inside of the path, or runs along a line where the support's formula changes.
+    #[error("at u = {at}, about {}, the contact with the {} surface leaves it and comes back, or runs along an end of one of its pieces: make the surface larger, move its knots, or change the radius", place_of(*place), ordinal(*index))]
+    Leaves {
+        /// 0 or 1.
+        index: usize,
+        /// The parameter.
+        at: f64,
+        /// The ball's centre.
+        place: DVec3,
+    },
+    /// The path closes, the radius does not.
+    #[error(
+        "the path of the ball closes, but its radius is {from} at u = 0 and {to} at u = 1: make them equal, by a function of period 1"
+    )]
+    Unclosed {
+        /// The radius at u = 0.
+        from: f64,
+        /// The radius at u = 1.
+        to: f64,
+    },
+    /// The point near which a fillet is chosen is not finite.
+    #[error("the point near the fillet is ({}, {}, {}): it must be finite", near.x, near.y, near.z)]
+    Near {
+        /// The point.
+        near: DVec3,
     },
     /// A part of a traced fillet.
     #[error(

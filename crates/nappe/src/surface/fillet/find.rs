@@ -49,9 +49,9 @@ impl<'a> Search<'a> {
         self.supports
     }
 
-    /// All paths found for a radius, and where one could not be followed. A path that winds between the samples, or touches
+    /// All paths found for a radius, and where others could not be followed. A path that winds between the samples, or touches
     /// only once, may be missed.
-    pub(super) fn traces(&self, radius: f64) -> (Vec<Trace>, Option<Lost>) {
+    pub(super) fn traces(&self, radius: f64) -> (Vec<Trace>, Vec<Lost>) {
         let tracer = self.tracer(radius);
         let mut traces: Vec<Trace> = Vec::new();
         let mut lost = Vec::new();
@@ -69,7 +69,7 @@ impl<'a> Search<'a> {
                 break;
             }
         }
-        (traces, lost.into_iter().next())
+        (traces, lost)
     }
 
     /// Another radius for which a ball touches both surfaces, and where: the greatest below the given one, or else the least

@@ -58,7 +58,7 @@ pub struct FilletOptions {
 ///
 /// Between any other two surfaces the ball is followed until a contact reaches the end of its surface or the path closes; a
 /// contact may pass seams and breaks where the normal goes on. u is nearly in proportion to the length of the
-/// centre's path. The contacts are the exact solutions of their equations, with derivatives of any order: for every u they
+/// centre's path; where it closes the radius must be the same at both ends, to 1e-9 of it. The contacts are the exact solutions of their equations, with derivatives of any order: for every u they
 /// are proven to exist, the ball to be no more curved than either surface, and the sections not to cross. Not proven: that
 /// the ball does not meet a surface somewhere else, and that no further fillet exists, since paths are looked for at
 /// samples. Surfaces whose enclosures end at their sides (Gregory's twists) are proven only inside of them.
@@ -175,10 +175,7 @@ impl Fillet {
         assert!(index < 2, "there are two supports");
         match &self.path {
             Path::Exact(_) => None,
-            Path::Traced(spine) => Some(Arc::new(ContactCurve {
-                spine: spine.clone(),
-                index,
-            })),
+            Path::Traced(spine) => Some(Arc::new(ContactCurve::new(spine.clone(), index))),
         }
     }
 

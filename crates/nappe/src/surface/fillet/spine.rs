@@ -19,6 +19,13 @@ use glam::{DMat4, DVec3};
 
 /// The most steps of Newton's method from the table.
 const NEWTON: usize = 8;
+/// Relative to the radius: a last step so short says that Newton's method has come to its end.
+const SETTLED: f64 = 1e-9;
+/// Relative to the width of a domain: how far a contact may lie beyond the end of its support, by rounding, where the table
+/// ends there.
+const AT_END: f64 = 1e-9;
+/// The most steps of the contraction where Newton's method fails.
+const CONTRACTIONS: usize = 200;
 /// The most halvings of a range until its contacts are enclosed, and the most ranges.
 const DEPTH: u32 = 24;
 const RANGES: usize = 20_000;
@@ -49,6 +56,8 @@ pub(super) struct Piece {
 struct Cell {
     u: Interval,
     x: Place<Interval>,
+    /// The matrix of the proof.
+    inverse: DMat4,
 }
 
 /// The path of a ball of constant or variable radius between two surfaces.
@@ -61,6 +70,15 @@ pub(super) struct Spine {
     pub breaks: Vec<Break>,
     pub pieces: Vec<Piece>,
     cells: Vec<Cell>,
+}
+
+/// What cannot be proven about the contacts, and where.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Unsettled {
+    /// That they exist.
+    Unproven { at: f64 },
+    /// That parameter `j` stays in its piece of the support.
+    Leaves { at: f64, j: usize },
 }
 
 /// A value and the enclosures around it for one range of u.
@@ -108,14 +126,17 @@ impl Spine {
 
     /// The contacts at a parameter.
     pub(super) fn contacts(&self, u: f64, limit: Limit) -> Place<f64> {
-        let piece = &self.pieces[self.breaks.find(u, limit)];
+        let i = self.breaks.find(u, limit);
+        let piece = &self.pieces[i];
         let course = self.course(u, limit, 0);
         let mut x = piece.guess(u);
         let mut last = f64::INFINITY;
+        let mut settled = false;
         for _ in 0..NEWTON {
             let Some((step, length)) = newton(&self.supports, x, piece.within, &course) else {
                 break;
             };
+            settled = length <= SETTLED * course.radius.value();
             // Rounding only.
             if length.is_nan() || length >= 0.5 * last {
                 break;
@@ -123,7 +144,40 @@ impl Spine {
             last = length;
             (0..4).for_each(|j| x[j] += step[j]);
         }
+        if let Some(cell) = self.cell(i, u)
+            && !(settled && (0..4).all(|j| cell.x[j].contains(x[j])))
+        {
+            x = self.contract(cell, piece.within, &course);
+        }
         std::array::from_fn(|j| x[j].clamp(piece.within[j].lo, piece.within[j].hi))
+    }
+
+    /// The cell that holds a parameter of a piece; `None` before they are proven.
+    fn cell(&self, piece: usize, u: f64) -> Option<&Cell> {
+        let piece = self.breaks.piece(piece);
+        let start = self.cells.partition_point(|c| c.u.lo < piece.lo);
+        let end = self.cells.partition_point(|c| c.u.lo < piece.hi);
+        let cells = &self.cells[start..end];
+        let after = cells.partition_point(|c| c.u.lo <= u).max(1);
+        cells.get(after - 1)
+    }
+
+    /// The contacts by the iteration whose convergence in the whole box of a cell is what its proof says.
+    fn contract(&self, cell: &Cell, within: Place<Interval>, course: &Course<f64>) -> Place<f64> {
+        let mut x = cell.x.map(Interval::mid);
+        let mut last = f64::INFINITY;
+        for _ in 0..CONTRACTIONS {
+            let e = self.supports.expand(x, within, 1);
+            let step = self.supports.residual(&e, course, &cell.inverse);
+            // Relative to the box, in which all parameters have their share.
+            let length = (0..4).fold(0.0, |a: f64, j| a.max(step[j].abs() / cell.x[j].width()));
+            if !(length < last || length > 1e-6) {
+                break;
+            }
+            last = length;
+            (0..4).for_each(|j| x[j] = (x[j] - step[j]).clamp(cell.x[j].lo, cell.x[j].hi));
+        }
+        x
     }
 
     /// The contacts' series, with what the ball's needs.
@@ -150,6 +204,12 @@ impl Spine {
     pub(super) fn ball(&self, u: f64, limit: Limit, order: usize) -> Ball<f64> {
         let (e, course, series) = self.series_at(u, limit, order);
         Supports::ball(&e, &series, &course.radius)
+    }
+
+    /// The ball's centre at a parameter, from the supports' origin.
+    pub(super) fn centre(&self, u: f64) -> DVec3 {
+        let ball = self.ball(u, Limit::Above, 0);
+        DVec3::from_array(ball.centre.map(|x| x.value()))
     }
 
     /// Krawczyk's operator over a range of u in one piece: an enclosure of the contacts, and the box in which they are
@@ -221,21 +281,38 @@ impl Spine {
         })
     }
 
-    /// Proves that there are contacts for every u: `Err` says where that fails. What is enclosed afterwards rests on it.
-    pub(super) fn settle(&mut self) -> Result<(), f64> {
+    /// Proves that there are contacts for every u, and that they stay in their pieces of the supports: `Err` says where that
+    /// fails. What is enclosed afterwards rests on it.
+    pub(super) fn settle(&mut self) -> Result<(), Unsettled> {
         let mut cells: Vec<Cell> = Vec::new();
         for i in 0..self.breaks.pieces() {
             let first = cells.len();
             let mut stack = vec![(self.breaks.piece(i), 0)];
             while let Some((u, depth)) = stack.pop() {
                 // Small enough for what is asked of them.
-                let found = self.krawczyk(u, Limit::Above).filter(|(e, _)| {
-                    let (ball, _, _) = self.ball_over(u, Limit::Above, e, 2);
-                    regular(&ball).iter().all(|m| m.is_finite())
-                });
+                let mut leaves = None;
+                let found = match self.krawczyk(u, Limit::Above) {
+                    Some((e, x)) => {
+                        let (ball, _, series) = self.ball_over(u, Limit::Above, &e, 2);
+                        let finite = regular(&ball).iter().all(|m| m.is_finite());
+                        leaves = self.leaving(u, &e, &series)?;
+                        (finite && leaves.is_none()).then_some((e, x))
+                    }
+                    None => None,
+                };
                 match found {
-                    Some((_, x)) => cells.push(Cell { u, x }),
-                    None if depth >= DEPTH || cells.len() >= RANGES => return Err(u.mid()),
+                    Some((e, x)) => cells.push(Cell {
+                        u,
+                        x,
+                        inverse: e.inverse,
+                    }),
+                    None if depth >= DEPTH || cells.len() >= RANGES => {
+                        let at = u.mid();
+                        return Err(match leaves {
+                            Some(j) => Unsettled::Leaves { at, j },
+                            None => Unsettled::Unproven { at },
+                        });
+                    }
                     None => {
                         let m = u.mid();
                         stack.push((Interval::new(m, u.hi), depth + 1));
@@ -251,12 +328,56 @@ impl Spine {
                     pair.iter().all(|c| (0..4).all(|j| c.x[j].encloses(x[j])))
                 };
                 if !same.is_some_and(|(e, _)| held(&e.x)) {
-                    return Err(u);
+                    return Err(Unsettled::Unproven { at: u });
                 }
             }
         }
         self.cells = cells;
         Ok(())
+    }
+
+    /// The parameter that may leave its piece of the support over a range of u, or `Err` where one surely does. A contact
+    /// stays inside if it is enclosed inside, or if it goes one way from one place inside to another.
+    fn leaving(
+        &self,
+        u: Interval,
+        e: &Enclosed,
+        series: &Place<Series<Interval>>,
+    ) -> Result<Option<usize>, Unsettled> {
+        let domain = self.supports.domain();
+        let piece = self.breaks.piece(self.breaks.find(u.mid(), Limit::Above));
+        let room = |j: usize, share: f64| e.within[j].inflate(share * domain[j].width());
+        let out = |j: usize| !room(j, AT_BREAK).encloses(e.x[j]);
+        let Some(first) = (0..4).find(|&j| out(j)) else {
+            return Ok(None);
+        };
+        for at in [u.lo, u.hi] {
+            // The ends of the piece are there by rounding.
+            let share = if at == piece.lo || at == piece.hi {
+                AT_END
+            } else {
+                AT_BREAK
+            };
+            let limit = if at == piece.hi {
+                Limit::Below
+            } else {
+                Limit::Above
+            };
+            let Some((end, _)) = self.krawczyk(Interval::point(at), limit) else {
+                return Ok(Some(first));
+            };
+            for j in (0..4).filter(|&j| out(j)) {
+                let room = room(j, share);
+                if end.x[j].lo > room.hi || end.x[j].hi < room.lo {
+                    return Err(Unsettled::Leaves { at, j });
+                }
+                if !room.encloses(end.x[j]) {
+                    return Ok(Some(j));
+                }
+            }
+        }
+        let turns = |j: usize| series[j].c[1].contains(0.0) || !series[j].c[1].is_finite();
+        Ok((0..4).find(|&j| out(j) && turns(j)))
     }
 
     /// The ranges of u over which the contacts are enclosed at one go.
@@ -505,8 +626,28 @@ impl Functions for Spine {
 /// The parameters of one contact, two functions of u: the trimming curve in the parameter plane of a support.
 #[derive(Clone, Debug)]
 pub(super) struct ContactCurve {
-    pub spine: std::sync::Arc<Spine>,
-    pub index: usize,
+    spine: std::sync::Arc<Spine>,
+    index: usize,
+    breaks: Vec<Break>,
+}
+
+impl ContactCurve {
+    /// The curve on one support. At the seam of a closed support it jumps to the other side.
+    pub(super) fn new(spine: std::sync::Arc<Spine>, index: usize) -> Self {
+        let mut breaks = spine.breaks.clone();
+        for (b, pair) in breaks[1..].iter_mut().zip(spine.pieces.windows(2)) {
+            let before = pair[0].nodes[pair[0].nodes.len() - 1].x;
+            let after = pair[1].nodes[0].x;
+            if (2 * index..2 * index + 2).any(|j| before[j] != after[j]) {
+                *b = Break::new(b.at, -1);
+            }
+        }
+        Self {
+            spine,
+            index,
+            breaks,
+        }
+    }
 }
 
 impl Functions for ContactCurve {
@@ -515,7 +656,7 @@ impl Functions for ContactCurve {
     }
 
     fn breaks(&self) -> &[Break] {
-        &self.spine.breaks
+        &self.breaks
     }
 
     fn jet_into(&self, t: f64, limit: Limit, order: usize, out: &mut [f64]) {

@@ -3,7 +3,7 @@
 use super::contact::{AT_BREAK, Place, Supports};
 use super::find::Search;
 use super::rolling_ball::prove;
-use super::spine::{Node, Piece, Spine, course, newton};
+use super::spine::{Node, Piece, Spine, Unsettled, course, newton};
 use super::trace::{Lost, Trace, Tracer};
 use super::{FilletError, FilletOptions, Radius};
 use crate::breaks::{Break, Limit, merge_breaks};
@@ -21,6 +21,8 @@ const MOST_POINTS: usize = 400;
 const FOLLOWS: f64 = 0.9;
 /// The steps of the table in a piece of the guide, at least.
 const STEPS: f64 = 8.0;
+/// The most steps along the guide, those that fail and are halved included.
+const MOST_STEPS: usize = 20_000;
 /// Relative to the range of u: the shortest step of the table, and places that are one.
 const SHORTEST: f64 = 1e-10;
 const ONE_PLACE: f64 = 1e-13;
@@ -30,8 +32,12 @@ const NEWTON: usize = 10;
 const ASTRAY: f64 = 0.2;
 /// Normals on both sides of a break that differ by more (radians) make a crease.
 const CREASE: f64 = 1e-6;
-/// A contact where less than this is left of the curvature is taken as the reason why a ball is lost.
+/// A contact where less than this is left of the curvature is named as the likely reason why a ball is lost.
 const TIGHT: f64 = 0.05;
+/// How often a table is made again with one more place.
+const MOST_STOPS: usize = 8;
+/// Relative: radii at both ends of a closed path that differ by no more are the same, by rounding.
+const SAME_RADIUS: f64 = 1e-9;
 /// Steps from one radius to another.
 const RADII: usize = 8;
 
@@ -61,20 +67,48 @@ pub(super) fn spine(
         radius: &radius,
         guide: &guide,
     };
-    let (breaks, pieces) = walker.walk(path.start)?;
-    let mut spine = Spine::new(
-        supports.clone(),
-        radius.clone(),
-        guide.clone(),
-        breaks,
-        pieces,
-    );
-    if let Err(at) = spine.settle() {
-        return Err(refused(&spine, 1, at, 0.0));
-    }
+    let spine = settled(&walker, path.start)?;
     match prove(spine.ranges(), |u| spine.margins(u, Limit::Above)) {
         Ok(()) => Ok(spine),
         Err((condition, at, margin)) => Err(refused(&spine, condition, at, margin)),
+    }
+}
+
+/// The table with its proof. A contact that leaves its piece between two places of the table and comes back is seen by the
+/// proof: the table is made again with a place there.
+fn settled(walker: &Walker, start: Place<f64>) -> Result<Spine, FilletError> {
+    let mut stops: Vec<f64> = Vec::new();
+    let mut left = None;
+    loop {
+        let (breaks, pieces) = match walker.walk(start, &stops) {
+            Ok(table) => table,
+            Err(e) => return Err(left.unwrap_or(e)),
+        };
+        let mut spine = Spine::new(
+            walker.supports.clone(),
+            walker.radius.clone(),
+            walker.guide.clone(),
+            breaks,
+            pieces,
+        );
+        match spine.settle() {
+            Ok(()) => return Ok(spine),
+            Err(Unsettled::Unproven { at }) => return Err(refused(&spine, 1, at, 0.0)),
+            Err(Unsettled::Leaves { at, j }) => {
+                let place = spine.centre(at) + walker.supports.origin;
+                let leaves = FilletError::Leaves {
+                    index: j / 2,
+                    at,
+                    place,
+                };
+                if stops.len() == MOST_STOPS || stops.contains(&at) {
+                    return Err(leaves);
+                }
+                left = Some(leaves);
+                stops.push(at);
+                stops.sort_by(f64::total_cmp);
+            }
+        }
     }
 }
 
@@ -105,13 +139,11 @@ fn guided<'a>(
 
 /// Why a spine is refused, from the condition that is not met.
 fn refused(spine: &Spine, condition: usize, at: f64, margin: f64) -> FilletError {
-    let ball = spine.ball(at, Limit::Above, 0);
-    let radius = ball.radius.value();
-    let place =
-        DVec3::from_array(ball.centre.each_ref().map(|x| x.value())) + spine.supports.origin;
+    let radius = spine.radius.series_at(at, Limit::Above, 0).value();
+    let place = spine.centre(at) + spine.supports.origin;
     // What is tighter comes first: a ball that cuts into a support breaks the other conditions too.
-    let cuts = |k: usize, most: f64| {
-        let fit = spine.fit(at, k).filter(|f| *f < most)?;
+    let cuts = |k: usize| {
+        let fit = spine.fit(at, k).filter(|f| *f <= 0.0)?;
         Some(FilletError::CutsIn {
             index: k,
             place,
@@ -122,10 +154,10 @@ fn refused(spine: &Spine, condition: usize, at: f64, margin: f64) -> FilletError
     let unproven = FilletError::Unproven { at, place };
     match condition {
         0 => FilletError::Radius { at, value: radius },
-        1 => (0..2).find_map(|k| cuts(k, TIGHT)).unwrap_or(unproven),
+        1 => (0..2).find_map(cuts).unwrap_or(unproven),
         2 => FilletError::Swallowed { at, margin },
         3 => FilletError::SectionsCross { at, radius },
-        k => cuts(k - 4, TIGHT).unwrap_or(unproven),
+        k => cuts(k - 4).unwrap_or(unproven),
     }
 }
 
@@ -161,45 +193,57 @@ fn middle_and_size(surfaces: &[SurfaceRef; 2]) -> (DVec3, f64) {
     (0.5 * (lo + hi), size[0].min(size[1]))
 }
 
-/// The path to take for a radius.
+/// The path to take for a radius. What is nearest to a point that is given decides, also if it cannot be taken.
 fn choose(search: &Search, radius: f64, near: Option<DVec3>) -> Result<Trace, FilletError> {
     let origin = search.supports().origin;
+    if let Some(near) = near.filter(|p| !p.is_finite()) {
+        return Err(FilletError::Near { near });
+    }
     let (all, lost) = search.traces(radius);
     let tracer = search.tracer(radius);
-    let (mut traces, mut tight) = (Vec::new(), Vec::new());
+    let (mut traces, mut bad) = (Vec::new(), Vec::new());
+    let away = |t: &Trace| near.map_or(0.0, |p| t.distance(p - origin));
     for trace in all {
         match tracer.tightest(&trace) {
             None => traces.push(trace),
-            Some(place) => tight.push(place),
+            Some((index, centre, fit)) => {
+                let error = FilletError::CutsIn {
+                    index,
+                    place: centre + origin,
+                    radius,
+                    largest: radius / (1.0 - fit),
+                };
+                bad.push((away(&trace), fit, error));
+            }
         }
     }
-    let tightest = tight.into_iter().min_by(|a, b| a.2.total_cmp(&b.2));
-    if let (true, Some((index, centre, fit))) = (traces.is_empty(), tightest) {
-        return Err(FilletError::CutsIn {
-            index,
-            place: centre + origin,
-            radius,
-            largest: radius / (1.0 - fit),
+    for l in &lost {
+        let away = near.map_or(0.0, |p| l.centre.distance(p - origin));
+        bad.push((away, f64::INFINITY, lost_at(&tracer, l)));
+    }
+    // The nearest, of those the one that cuts in most.
+    bad.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let bad = bad.into_iter().next();
+    traces.sort_by(|a, b| away(a).total_cmp(&away(b)));
+    if near.is_none() && traces.len() > 1 {
+        return Err(FilletError::Several {
+            count: traces.len(),
+            places: traces.iter().map(|t| t.at(0.5).1 + origin).collect(),
         });
     }
-    let middle = |t: &Trace| t.at(0.5).1 + origin;
-    match (traces.len(), near) {
-        (0, _) => Err(match lost {
-            Some(lost) => lost_at(&tracer, &lost),
-            None => FilletError::NoBall {
-                radius,
-                fits: search.fits(radius).map(|(r, p)| (r, p + origin)),
-            },
-        }),
-        (1, _) => Ok(traces.remove(0)),
-        (count, None) => Err(FilletError::Several {
-            count,
-            places: traces.iter().map(middle).collect(),
-        }),
-        (_, Some(p)) => {
-            traces.sort_by(|a, b| a.distance(p - origin).total_cmp(&b.distance(p - origin)));
-            Ok(traces.remove(0))
+    match (traces.into_iter().next(), bad) {
+        (Some(trace), Some((nearer, _, error))) => {
+            if near.is_some() && nearer < away(&trace) {
+                return Err(error);
+            }
+            Ok(trace)
         }
+        (Some(trace), None) => Ok(trace),
+        (None, Some((_, _, error))) => Err(error),
+        (None, None) => Err(FilletError::NoBall {
+            radius,
+            fits: search.fits(radius).map(|(r, p)| (r, p + origin)),
+        }),
     }
 }
 
@@ -213,18 +257,19 @@ fn lost_at(tracer: &Tracer, lost: &Lost) -> FilletError {
             .map(|k| (k, s.fit(k)))
             .into_iter()
             .min_by(|a, b| a.1.total_cmp(&b.1))?;
-        (fit < TIGHT).then_some((k, fit))
+        (fit < TIGHT).then_some((k, fit, tracer.radius / (1.0 - fit)))
     });
     match tight {
-        Some((index, fit)) => FilletError::CutsIn {
+        Some((index, fit, largest)) if fit <= 0.0 => FilletError::CutsIn {
             index,
             place,
             radius: tracer.radius,
-            largest: tracer.radius / (1.0 - fit),
+            largest,
         },
-        None => FilletError::Lost {
+        near => FilletError::Lost {
             place,
             radius: tracer.radius,
+            tight: near.map(|(index, _, largest)| (index, largest)),
         },
     }
 }
@@ -246,6 +291,12 @@ impl<'a> Path<'a> {
         main: &Trace,
         count: usize,
     ) -> Result<Self, FilletError> {
+        if main.closed {
+            let [from, to] = [radius_at(radius, 0.0)?, radius_at(radius, 1.0)?];
+            if (to - from).abs() > SAME_RADIUS * from {
+                return Err(FilletError::Unclosed { from, to });
+            }
+        }
         let shares = shares(main, count);
         let lost =
             |tracer: &Tracer, x: Place<f64>, centre: DVec3| lost_at(tracer, &Lost { x, centre });
@@ -295,11 +346,13 @@ impl<'a> Path<'a> {
             let sample = tracer.at(x).ok_or_else(|| lost(&tracer, x, c))?;
             centres.push(sample.centre);
         }
-        let closed = main.closed && centres[0] == centres[last];
+        if main.closed {
+            centres[last] = centres[0];
+        }
         Ok(Self {
             radius,
             start,
-            closed,
+            closed: main.closed,
             centres,
         })
     }
@@ -467,7 +520,12 @@ impl Walker<'_> {
         (last <= 1e-9 * self.tracer.size && u.is_finite()).then_some((u, x))
     }
 
-    fn walk(&self, start: Place<f64>) -> Result<(Vec<Break>, Vec<Piece>), FilletError> {
+    /// The breaks of the table and its pieces, with a place at each of some parameters, which increase.
+    fn walk(
+        &self,
+        start: Place<f64>,
+        stops: &[f64],
+    ) -> Result<(Vec<Break>, Vec<Piece>), FilletError> {
         let lessened = |breaks: &[Break], by: i32| -> Vec<Break> {
             let less = |b: &Break| Break::new(b.at, b.smooth - by);
             breaks.iter().map(less).collect()
@@ -496,12 +554,19 @@ impl Walker<'_> {
             .ok_or_else(|| self.lost(x, u))?;
         let mut nodes = vec![Node { u, x, d }];
         let mut next = 1;
-        let mut step = 1.0 / (STEPS * (events.len() - 1) as f64);
+        let longest = 1.0 / (STEPS * (events.len() - 1) as f64);
+        let mut step = longest;
+        let mut count = 0;
         while next < events.len() {
+            count += 1;
+            if count > MOST_STEPS {
+                return Err(self.lost(x, u));
+            }
             let event = events[next];
-            let whole = event.at - u;
-            let to = if step >= whole * (1.0 - 1e-9) {
-                event.at
+            let stop = stops[stops.partition_point(|s| *s <= u + SHORTEST)..].first();
+            let goal = stop.map_or(event.at, |s| s.min(event.at));
+            let to = if step >= (goal - u) * (1.0 - 1e-9) {
+                goal
             } else {
                 u + step
             };
@@ -545,21 +610,34 @@ impl Walker<'_> {
                     .slope(x, within, u, Limit::Below)
                     .ok_or_else(|| self.lost(x, u))?;
                 nodes.push(Node { u, x, d });
+                step = (1.6 * step).min(longest);
                 if u == event.at {
-                    breaks.push(event);
+                    let mut smooth = event.smooth;
                     pieces.push(Piece {
                         within,
                         nodes: std::mem::take(&mut nodes),
                     });
                     next += 1;
                     if next < events.len() {
+                        let before = within;
                         within = self.supports.pieces(x, d);
+                        // A contact may pass a break of its support at the same place.
+                        for j in (0..4).filter(|&j| within[j] != before[j]) {
+                            let end = if within[j].lo == before[j].hi {
+                                within[j].lo
+                            } else {
+                                within[j].hi
+                            };
+                            smooth = smooth.min(self.smooth_at(j, end));
+                            self.check_crease((before, x), (within, x), u, j)?;
+                        }
                         d = self
                             .slope(x, within, u, Limit::Above)
                             .ok_or_else(|| self.lost(x, u))?;
                         nodes.push(Node { u, x, d });
-                        step = step.max(1.0 / (STEPS * (events.len() - 1) as f64));
+                        step = longest;
                     }
+                    breaks.push(Break::new(event.at, smooth));
                 }
                 continue;
             }
@@ -570,7 +648,11 @@ impl Walker<'_> {
                 let slack = |k: usize| 1e3 * AT_BREAK * domain[k].width();
                 let inside = (0..4)
                     .all(|k| z[k] >= within[k].lo - slack(k) && z[k] <= within[k].hi + slack(k));
-                (at >= u - ONE_PLACE && at <= to + ONE_PLACE && inside).then_some((at, z, j, end))
+                // Not where the contact has just come in.
+                let inwards = if end == within[j].hi { -d[j] } else { d[j] };
+                let entered = nodes.len() == 1 && at - u <= ONE_PLACE && inwards > 0.0;
+                let on = at >= u - ONE_PLACE && at <= to + ONE_PLACE;
+                (on && inside && !entered).then_some((at, z, j, end))
             });
             let Some((at, z, j, end)) = landed else {
                 step = 0.5 * (to - u);
@@ -587,11 +669,16 @@ impl Walker<'_> {
                 z
             };
             let before = within;
-            if at - u > ONE_PLACE {
-                let at = if event.at - at <= ONE_PLACE {
+            let fresh = at - u > ONE_PLACE;
+            if fresh || nodes.len() > 1 {
+                // A step may have ended on this end by itself: the place landed on is its last node then.
+                let at = if event.at - at.max(u) <= ONE_PLACE {
                     event.at
-                } else {
+                } else if fresh {
                     at
+                } else {
+                    nodes.pop();
+                    u
                 };
                 d = self
                     .slope(z, within, at, Limit::Below)
@@ -612,7 +699,11 @@ impl Walker<'_> {
                 }
                 u = at;
             } else {
+                // The piece has just begun: two ends at one place.
                 nodes.clear();
+                let last = breaks.len() - 1;
+                let b = &breaks[last];
+                breaks[last] = Break::new(b.at, b.smooth.min(smooth));
             }
             x = beyond;
             within = self.supports.pieces(x, d);
