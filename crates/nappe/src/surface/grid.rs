@@ -233,9 +233,6 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
     let (side, count) = (surface.functions_u(), surface.functions_v().count());
     let mut all = vec![[0.0; 4]; (ORDER + 1) * count];
     let (mut a, mut sparse) = (Vec::new(), Vec::new());
-    // Sums of products alone load so much for each point that they wait for stores under way to memory; their rows are put
-    // together in the cache and copied. Divisions and normals take long enough to store beside them.
-    let in_cache = D == 3 && JET == 1;
     let mut stage = vec![0.0; O::EACH * (v.len().min(COLUMNS) + R::LANES)];
     for (tile, columns) in v.chunks(COLUMNS).enumerate() {
         let first = tile * COLUMNS;
@@ -245,6 +242,14 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
             start,
             stride,
         } = Columns::new(surface, columns, ORDER);
+        // Long sums of products load so much for each point that they wait for stores under way to memory; their rows are
+        // put together in the cache and copied. Short sums load little (in a sparse core each coordinate has functions of
+        // its own), and divisions and normals take long enough to store beside them.
+        let is_long = |p: &Piece| match net {
+            Some(_) => p.active.len() > 4,
+            None => p.sparse.used.len() > 2,
+        };
+        let in_cache = D == 3 && JET == 1 && pieces.iter().any(is_long);
         in_packs(
             side.as_ref(),
             u,
