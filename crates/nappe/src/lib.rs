@@ -78,6 +78,7 @@ pub mod surface;
 mod ball;
 mod box3;
 mod breaks;
+mod clusters;
 mod frame;
 mod interval;
 mod linear;

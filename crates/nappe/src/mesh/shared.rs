@@ -7,6 +7,7 @@
 use super::closing::{self, Within};
 use super::lines::index;
 use crate::breaks::Limit;
+use crate::clusters::Sets;
 use crate::interval::Interval;
 use crate::parallel;
 use crate::surface::{Corner, Dir, Side, Surface, SurfaceRef, jet_len};
@@ -448,12 +449,12 @@ pub(super) fn find_with(
     };
     let candidates = parallel::each(threads, count, candidates, |_| false);
     drop(places);
-    let mut corners: Vec<usize> = (0..count).collect();
+    let mut corners = Sets::new(count);
     let mut joins: Vec<Option<Join>> = vec![None; count];
     for (b, candidates) in candidates.into_iter().enumerate() {
         if collapsed(b) {
             let [s, e] = ends(b);
-            unite(&mut corners, s, e);
+            corners.unite(s, e);
             continue;
         }
         joins[b] = candidates.and_then(|c| {
@@ -475,11 +476,11 @@ pub(super) fn find_with(
             } else {
                 (s, e)
             };
-            unite(&mut corners, p, s);
-            unite(&mut corners, q, e);
+            corners.unite(p, s);
+            corners.unite(q, e);
         }
     }
-    let corners = (0..count).map(|c| root(&mut corners, c)).collect();
+    let corners = (0..count).map(|c| corners.leader(c)).collect();
     let mut followers = vec![SmallVec::new(); count];
     for (k, join) in joins.iter().enumerate() {
         if let Some(join) = join {
@@ -492,21 +493,6 @@ pub(super) fn find_with(
         collapsed: (0..count).map(collapsed).collect(),
         corners,
     }
-}
-
-/// The first of a set; paths to it are shortened on the way.
-fn root(parents: &mut [usize], mut c: usize) -> usize {
-    while parents[c] != c {
-        parents[c] = parents[parents[c]];
-        c = parents[c];
-    }
-    c
-}
-
-/// The smaller number leads, so the result does not depend on the order of union.
-fn unite(parents: &mut [usize], a: usize, b: usize) {
-    let (a, b) = (root(parents, a), root(parents, b));
-    parents[a.max(b)] = a.min(b);
 }
 
 impl Shared {

@@ -4,6 +4,7 @@ use super::nearest::{Finder, Nearest, QueryError, check_tolerance};
 use super::part::{EXACTNESS, Hull, Place, length};
 use super::within::{Effort, Within, within};
 use crate::box3::Box3;
+use crate::clusters::clusters;
 use crate::mesh::Certainty;
 use glam::DVec3;
 
@@ -70,7 +71,8 @@ impl Finder {
             hi: best.point,
         };
         found.push((hull, of_nearest(p, &best, rounding)));
-        let mut loci: Vec<Locus> = groups(&found, tol)
+        let boxes: Vec<_> = found.iter().map(|f| f.0.to_box().to_array()).collect();
+        let mut loci: Vec<Locus> = clusters(&boxes, tol)
             .into_iter()
             .map(|group| locus(&found, &group, feet))
             .collect();
@@ -136,43 +138,4 @@ fn locus(found: &[(Hull, Within)], group: &[usize], feet: [f64; 2]) -> Locus {
         hull: hull.to_box(),
         isolated,
     }
-}
-
-/// Those whose boxes come within `tol` of each other, directly or by others in between.
-fn groups(found: &[(Hull, Within)], tol: f64) -> Vec<Vec<usize>> {
-    // Along the longest side fewest are abreast.
-    let all = found.iter().map(|f| f.0).reduce(Hull::join);
-    let axis = all.map_or(0, |h| (h.hi - h.lo).max_position());
-    let mut order: Vec<usize> = (0..found.len()).collect();
-    order.sort_by(|&a, &b| found[a].0.lo[axis].total_cmp(&found[b].0.lo[axis]));
-    let mut leader: Vec<usize> = (0..found.len()).collect();
-    // Those that began along it and have not ended yet.
-    let mut open: Vec<usize> = Vec::new();
-    for &k in &order {
-        let hull = found[k].0;
-        open.retain(|&o| found[o].0.hi[axis] + tol >= hull.lo[axis]);
-        for &o in &open {
-            let other = found[o].0;
-            let apart = (hull.lo - other.hi).max(other.lo - hull.hi).max_element();
-            if apart <= tol {
-                let (a, b) = (root(&mut leader, k), root(&mut leader, o));
-                leader[a.max(b)] = a.min(b);
-            }
-        }
-        open.push(k);
-    }
-    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); found.len()];
-    for k in 0..found.len() {
-        groups[root(&mut leader, k)].push(k);
-    }
-    groups.retain(|g| !g.is_empty());
-    groups
-}
-
-fn root(leader: &mut [usize], mut k: usize) -> usize {
-    while leader[k] != k {
-        leader[k] = leader[leader[k]];
-        k = leader[k];
-    }
-    k
 }

@@ -1,4 +1,4 @@
-//! Arcs of cells joined into branches, open cells into clusters.
+//! Arcs of cells joined into branches.
 
 use super::cells::{Arc, Crossing};
 use crate::interval::Interval;
@@ -86,39 +86,6 @@ fn partners(arcs: &[Arc]) -> Vec<[Option<(usize, usize)>; 2]> {
         }
     }
     partner
-}
-
-/// The numbers of boxes that touch each other, directly or through others.
-pub(super) fn clusters<const N: usize>(boxes: &[[Interval; N]]) -> Vec<Vec<usize>> {
-    let mut order: Vec<usize> = (0..boxes.len()).collect();
-    order.sort_by(|&a, &b| boxes[a][0].lo.total_cmp(&boxes[b][0].lo));
-    let mut parent: Vec<usize> = (0..boxes.len()).collect();
-    fn root(parent: &mut [usize], mut k: usize) -> usize {
-        while parent[k] != k {
-            parent[k] = parent[parent[k]];
-            k = parent[k];
-        }
-        k
-    }
-    // A sweep along the first: boxes that may still be touched.
-    let mut active: Vec<usize> = Vec::new();
-    for &k in &order {
-        active.retain(|&a| boxes[a][0].hi >= boxes[k][0].lo);
-        for &a in &active {
-            if touch(boxes[a], boxes[k]) {
-                let (x, y) = (root(&mut parent, a), root(&mut parent, k));
-                parent[x.max(y)] = x.min(y);
-            }
-        }
-        active.push(k);
-    }
-    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); boxes.len()];
-    for k in 0..boxes.len() {
-        let r = root(&mut parent, k);
-        groups[r].push(k);
-    }
-    groups.retain(|g| !g.is_empty());
-    groups
 }
 
 /// True if two boxes have a point in common.

@@ -1,10 +1,11 @@
 //! All points where a curve meets a surface.
 
-use super::chains::{clusters, touch};
+use super::chains::touch;
 use super::extended::{beyond, margins};
 use super::solve::{Enclosed, System, solve};
 use crate::box3::Box3;
 use crate::breaks::Breaks;
+use crate::clusters::clusters;
 use crate::curve::Curve;
 use crate::interval::Interval;
 use crate::surface::{Dir, Surface};
@@ -151,7 +152,10 @@ pub fn intersect(curve: &dyn Curve, surface: &dyn Surface, budget: usize) -> Cur
     };
     CurveSurface {
         points,
-        undecided: clusters(&found.open).into_iter().filter_map(hull).collect(),
+        undecided: clusters(&found.open, 0.0)
+            .into_iter()
+            .filter_map(hull)
+            .collect(),
         boxes: found.looked,
     }
 }

@@ -1,11 +1,12 @@
 //! All points where two functions of two parameters are zero.
 
 use super::cells::rectangles;
-use super::chains::{clusters, touch};
+use super::chains::touch;
 use super::extended::Extended;
 use super::field::Field;
 use super::solve::{Enclosed, System, solve};
 use super::trace::{TraceError, Undecided};
+use crate::clusters::clusters;
 use crate::interval::Interval;
 
 /// The smallest box relative to the rectangle. Where curves touch, the boxes left grow in number as the root of their
@@ -122,7 +123,7 @@ pub fn meet(f: &dyn Field, g: &dyn Field, options: &MeetOptions) -> Result<Meets
                 });
             }
         }
-        for group in clusters(&found.open) {
+        for group in clusters(&found.open, 0.0) {
             let cells: Vec<_> = group.iter().map(|&k| found.open[k]).collect();
             let hull = cells
                 .iter()

@@ -1,13 +1,14 @@
 //! All curves on which a function of two parameters is zero.
 
 use super::cells::{Cells, CellsError, divide, rectangles};
-use super::chains::{Chain, chains, clusters, touch};
+use super::chains::{Chain, chains, touch};
 use super::extended::{Extended, MARGIN};
 use super::field::Field;
 use super::path::{Part, Path, least};
 use super::seams::{Strand, bounds, joined};
 use super::tube::{Tube, displacement};
 use crate::box3::Box3;
+use crate::clusters::clusters;
 use crate::curve::CurveRef;
 use crate::interval::Interval;
 use crate::measure::size;
@@ -443,7 +444,7 @@ struct Join<'a> {
 impl Join<'_> {
     fn add(&self, trace: &mut Trace, out: &mut Vec<Found>, budget: &mut usize) {
         let first = trace.undecided.len();
-        for group in clusters(&self.cells.open) {
+        for group in clusters(&self.cells.open, 0.0) {
             let cells: Vec<_> = group
                 .iter()
                 .map(|&k| self.inside(self.cells.open[k]))
