@@ -195,6 +195,22 @@ fn a_bound_that_says_little_proves_nothing() {
     assert_eq!(found.developable, Developable::Unknown, "{found:?}");
 }
 
+/// The integral of |∇II|² from samples over the unit square.
+fn sampled_variation(s: &NurbsSurface) -> f64 {
+    let n = 200;
+    let mut sum = 0.0;
+    for i in 0..n {
+        for j in 0..n {
+            let p = [i, j].map(|k| (k as f64 + 0.5) / n as f64);
+            let jet = s.jet(p, [Limit::Above; 2], 3);
+            let [a, b, c, d] = curvature_derivative(&jet).unwrap();
+            let area = jet.d[1].cross(jet.d[2]).length();
+            sum += (a * a + 3.0 * (b * b + c * c) + d * d) * area / (n * n) as f64;
+        }
+    }
+    sum
+}
+
 /// The integral of a smooth function by Simpson's rule.
 fn simpson(f: impl Fn(f64) -> f64, a: f64, b: f64) -> f64 {
     const N: usize = 4000;
@@ -318,19 +334,8 @@ fn it_does_not_depend_on_which_side_is_a_pole_nor_on_the_parameters() {
         let knots = |lo: f64, hi: f64| [[lo; 4], [hi; 4]].concat();
         NurbsSurface::new([3, 3], [knots(lo, hi), knots(0.0, 1.0)], &points, None).unwrap()
     };
-    // Samples of |∇II|² dA.
     let s = over(0.0, 1.0, false);
-    let n = 200;
-    let mut want = 0.0;
-    for i in 0..n {
-        for j in 0..n {
-            let p = [i, j].map(|k| (k as f64 + 0.5) / n as f64);
-            let jet = s.jet(p, [Limit::Above; 2], 3);
-            let [a, b, c, d] = curvature_derivative(&jet).unwrap();
-            let area = jet.d[1].cross(jet.d[2]).length();
-            want += (a * a + 3.0 * (b * b + c * c) + d * d) * area / (n * n) as f64;
-        }
-    }
+    let want = sampled_variation(&s);
     let options = IntegralOptions {
         relative: 1e-4,
         budget: 2000,
@@ -412,17 +417,7 @@ fn the_derivative_of_the_second_form_is_that_of_a_graph() {
     }
     // And the integral is that of samples of it.
     let s = graph(&terms);
-    let n = 200;
-    let mut sum = 0.0;
-    for i in 0..n {
-        for j in 0..n {
-            let p = [i, j].map(|k| (k as f64 + 0.5) / n as f64);
-            let jet = s.jet(p, [Limit::Above; 2], 3);
-            let [a, b, c, d] = curvature_derivative(&jet).unwrap();
-            let area = jet.d[1].cross(jet.d[2]).length();
-            sum += (a * a + 3.0 * (b * b + c * c) + d * d) * area / (n * n) as f64;
-        }
-    }
+    let sum = sampled_variation(&s);
     let found = curvature_variation(&s, &OPTIONS);
     assert!(
         (found.value - sum).abs() <= bounded(found) + 1e-3 * sum,

@@ -303,19 +303,18 @@ fn a_contact_that_leaves_between_two_places_of_the_table_is_noticed() {
     }
 }
 
+/// A thick pipe and a thin one out of it, both whole, with seams.
+fn pipes() -> [SurfaceRef; 2] {
+    let along = |axis| Frame::along(DVec3::ZERO, axis).unwrap();
+    [
+        cylinder(along(DVec3::X), 2.0, [-5.0, 5.0]),
+        cylinder(along(DVec3::Z), 1.2, [0.0, 5.0]),
+    ]
+}
+
 #[test]
 fn a_closed_path_needs_a_closed_radius() {
-    let thick = cylinder(
-        Frame::along(DVec3::ZERO, DVec3::X).unwrap(),
-        2.0,
-        [-5.0, 5.0],
-    );
-    let thin = cylinder(
-        Frame::along(DVec3::ZERO, DVec3::Z).unwrap(),
-        1.2,
-        [0.0, 5.0],
-    );
-    let supports = [thick, thin];
+    let supports = pipes();
     // The sine of the rounded 2π is not 0.
     let radius = expression("0.2+0.1*sin(2*pi*u)");
     let f = traced(&supports, radius, sides([true, true]));
@@ -379,18 +378,8 @@ fn round_a_cylinder_it_is_the_fillet_with_a_formula() {
 
 #[test]
 fn two_pipes_have_closed_fillets() {
-    // A thin pipe out of a thick one, both whole, with seams.
-    let thick = cylinder(
-        Frame::along(DVec3::ZERO, DVec3::X).unwrap(),
-        2.0,
-        [-5.0, 5.0],
-    );
-    let thin = cylinder(
-        Frame::along(DVec3::ZERO, DVec3::Z).unwrap(),
-        1.2,
-        [0.0, 5.0],
-    );
-    let supports = [thick.clone(), thin];
+    let supports = pipes();
+    let thick = supports[0].clone();
     for (radius, side) in [
         (Radius::Constant(0.4), [true, true]),
         (Radius::Constant(0.3), [false, true]),

@@ -158,22 +158,7 @@ impl Args {
         if self.nets {
             picture = picture.nets(model.output().filter_map(net));
         }
-        let progress = screen.progress("Drawing");
-        let tell = |share| progress.tell(share);
-        let report = picture.write(path, Progress::to(&tell));
-        progress.finish();
-        let report = report.map_err(output::refused)?;
-        screen.note(format!(
-            "{}: {} × {} pixels, {}",
-            path.display(),
-            self.size[0],
-            self.size[1],
-            text::bytes(report.bytes)
-        ));
-        for note in report.notes {
-            screen.note(note);
-        }
-        tell_left_out(&left_out, screen);
+        write(&picture, path, self.size, &left_out, screen)?;
         if self.nets {
             without_net(&model)
                 .iter()
@@ -240,8 +225,33 @@ impl Args {
     }
 }
 
+/// Draws a picture into a file, and tells how large it is and which surfaces are not in it.
+pub(super) fn write(
+    picture: &Picture,
+    path: &Path,
+    size: [u32; 2],
+    left_out: &[String],
+    screen: &Screen,
+) -> Result<(), Failure> {
+    let progress = screen.progress("Drawing");
+    let tell = |share| progress.tell(share);
+    let report = picture.write(path, Progress::to(&tell));
+    progress.finish();
+    let report = report.map_err(output::refused)?;
+    screen.note(format!(
+        "{}: {} × {} pixels, {}",
+        path.display(),
+        size[0],
+        size[1],
+        text::bytes(report.bytes)
+    ));
+    report.notes.into_iter().for_each(|note| screen.note(note));
+    tell_left_out(left_out, screen);
+    Ok(())
+}
+
 /// Tells which surfaces are not drawn.
-pub(super) fn tell_left_out(names: &[String], screen: &Screen) {
+fn tell_left_out(names: &[String], screen: &Screen) {
     if !names.is_empty() {
         screen.note(format!(
             "note: too small to be seen at this size, and not drawn: {}\n  help: to see it, draw it alone, with the rest \

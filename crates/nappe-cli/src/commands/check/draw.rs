@@ -1,17 +1,17 @@
 //! The picture of the joints: sides in the colour of what they reach, and the places where something is wrong.
 
 use super::{Declared, Findings, Reached, SMOOTH_ANGLE, reached};
-use crate::commands::render::{self, MOST_POINTS, PIXEL_SHARE, tell_left_out};
+use crate::commands::render::{self, MOST_POINTS, PIXEL_SHARE};
 use crate::failure::Failure;
 use crate::screen::Screen;
-use crate::{fault, output, scene, text};
+use crate::{fault, scene};
 use nappe::DVec3;
 use nappe::curve::{CurveRef, Isocurve, Trimmed};
 use nappe::measure::Meeting;
 use nappe::mesh::flatten;
 use nappe::surface::{Dir, Side, SurfaceRef};
+use nappe_exchange::Colour;
 use nappe_exchange::render::{Dot, KeyEntry, Line, Paint, Picture, PictureOptions, View};
-use nappe_exchange::{Colour, Progress};
 use nappe_model::{Model, NamedSurface};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -145,21 +145,7 @@ impl Drawing {
             .lines(overlay.lines)
             .dots(overlay.dots)
             .key(overlay.key);
-        let progress = screen.progress("Drawing");
-        let tell = |share| progress.tell(share);
-        let report = picture.write(path, Progress::to(&tell));
-        progress.finish();
-        let report = report.map_err(output::refused)?;
-        screen.note(format!(
-            "{}: {} × {} pixels, {}",
-            path.display(),
-            self.size[0],
-            self.size[1],
-            text::bytes(report.bytes)
-        ));
-        report.notes.into_iter().for_each(|note| screen.note(note));
-        tell_left_out(&left_out, screen);
-        Ok(())
+        render::write(&picture, path, self.size, &left_out, screen)
     }
 }
 
