@@ -57,17 +57,9 @@ impl NurbsSurface {
     pub fn with_fewer_knots(&self, tol: f64) -> Result<Converted<Self>, ApproximationError> {
         check(tol)?;
         // The first direction takes its half; the second what is left.
-        let mut out = self.clone();
-        let mut error = 0.0;
-        for (dir, share) in [(Dir::U, 0.5), (Dir::V, 1.0)] {
-            let (s, e) = fewer_knots(out.to_spline(dir).clamped(), share * tol - error);
-            out = out.with_spline(dir, s)?;
-            error = sum(error, e);
-        }
-        Ok(Converted {
-            nurbs: out,
-            certainty: certainty(error),
-            same_parameters: true,
+        self.in_both_directions(|dir, spline, error| {
+            let share = if dir == Dir::U { 0.5 } else { 1.0 };
+            Ok(fewer_knots(spline, share * tol - error))
         })
     }
 
@@ -76,11 +68,20 @@ impl NurbsSurface {
         &self,
         degrees: [usize; 2],
     ) -> Result<Converted<Self>, ApproximationError> {
+        self.in_both_directions(|dir, spline, _| lower_degree(spline, degrees[dir as usize]))
+    }
+
+    /// Reduces the surface along u and then along v, each time from its spline, clamped, and the error so far to another
+    /// spline and its error.
+    fn in_both_directions(
+        &self,
+        reduced: impl Fn(Dir, Spline, f64) -> Result<(Spline, f64), ApproximationError>,
+    ) -> Result<Converted<Self>, ApproximationError> {
         let mut out = self.clone();
         let mut error = 0.0;
-        for (dir, degree) in [Dir::U, Dir::V].into_iter().zip(degrees) {
-            let (s, e) = lower_degree(out.to_spline(dir).clamped(), degree)?;
-            out = out.with_spline(dir, s)?;
+        for dir in [Dir::U, Dir::V] {
+            let (spline, e) = reduced(dir, out.to_spline(dir).clamped(), error)?;
+            out = out.with_spline(dir, spline)?;
             error = sum(error, e);
         }
         Ok(Converted {

@@ -201,14 +201,23 @@ impl Finder {
         points: &[DVec3],
         threads: usize,
     ) -> Vec<Result<Nearest, QueryError>> {
-        let mut out = vec![Err(QueryError::NoSurface); points.len()];
-        in_parallel(threads, points, 1, &mut out, |points, out| {
-            for (&p, out) in points.iter().zip(out) {
-                *out = self.nearest(p);
-            }
-        });
-        out
+        answers(points, threads, |p| self.nearest(p))
     }
+}
+
+/// The answers for many points, on some threads, in their order.
+pub(super) fn answers<T: Clone + Send>(
+    points: &[DVec3],
+    threads: usize,
+    answer: impl Fn(DVec3) -> Result<T, QueryError> + Sync,
+) -> Vec<Result<T, QueryError>> {
+    let mut out = vec![Err(QueryError::NoSurface); points.len()];
+    in_parallel(threads, points, 1, &mut out, |points, out| {
+        for (&p, out) in points.iter().zip(out) {
+            *out = answer(p);
+        }
+    });
+    out
 }
 
 /// That a tolerance is a positive, finite length.

@@ -1,12 +1,12 @@
 //! On which side of surfaces a point is.
 
-use super::nearest::{Finder, FinderOptions, Nearest, QueryError};
+use super::nearest::{Finder, FinderOptions, Nearest, QueryError, answers};
 use super::within::{Effort, Within, within};
 use crate::box3::Box3;
 use crate::breaks::Breaks;
 use crate::measure::{IntegralOptions, VolumeError, bodies, shells};
 use crate::mesh::joints;
-use crate::surface::{Dir, Side, SurfaceRef, in_parallel};
+use crate::surface::{Dir, Side, SurfaceRef};
 use glam::DVec3;
 
 /// The nearest point, and on which side of it a point is.
@@ -202,13 +202,7 @@ impl SignedFinder {
         points: &[DVec3],
         threads: usize,
     ) -> Vec<Result<Signed, QueryError>> {
-        let mut out = vec![Err(QueryError::NoSurface); points.len()];
-        in_parallel(threads, points, 1, &mut out, |points, out| {
-            for (&p, out) in points.iter().zip(out) {
-                *out = self.nearest(p);
-            }
-        });
-        out
+        answers(points, threads, |p| self.nearest(p))
     }
 
     /// What all places say that may be the nearest.
