@@ -18,6 +18,7 @@
 //! moved. Triangles that rounding makes degenerate are counted, never written in silence.
 
 mod atomic;
+mod document;
 mod error;
 mod facets;
 mod format;
@@ -41,6 +42,7 @@ mod vtu;
 mod write;
 
 pub use atomic::{check_target, write_atomically};
+pub use document::{Document, FaceStyle, Item, ItemForm, LeftOut};
 pub use error::{ExchangeError, PictureError, SceneError};
 pub use format::Format;
 pub use nappe::Units;
