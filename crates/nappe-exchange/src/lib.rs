@@ -26,8 +26,8 @@ mod gltf;
 mod json;
 mod obj;
 mod ply;
+pub mod read;
 pub mod render;
-
 mod report;
 #[cfg(test)]
 mod samples;
@@ -38,6 +38,7 @@ mod stl;
 mod tests;
 mod text;
 mod threemf;
+mod triangles;
 mod vtu;
 mod write;
 
@@ -46,8 +47,10 @@ pub use document::{Document, FaceStyle, Item, ItemForm, LeftOut};
 pub use error::{ExchangeError, PictureError, SceneError};
 pub use format::Format;
 pub use nappe::Units;
+pub use read::{Read, ReadError, read};
 pub use report::{Progress, WriteOptions, WriteReport};
 pub use scene::{Colour, Exact, ExactForm, Field, PALETTE, Part, Polyline, Scene};
+pub use triangles::{Group, MeshFacts, TriangleMesh, mesh_facts};
 pub use write::write;
 
 pub(crate) use write::Output;
