@@ -11,8 +11,12 @@
 //! ```
 
 mod error;
+mod sew;
+mod shells;
 
 pub use error::BodyError;
+pub use sew::{Sewn, sew};
+use shells::shells;
 
 use crate::curve::CurveRef;
 use crate::surface::SurfaceRef;

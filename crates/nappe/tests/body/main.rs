@@ -1,0 +1,6 @@
+//! Bodies of faces that share edges.
+
+#![allow(clippy::unwrap_used)]
+
+mod sew;
+mod shapes;
