@@ -10,10 +10,12 @@
 //!      ── vertices: points
 //! ```
 
+mod cover;
 mod error;
 mod sew;
 mod shells;
 
+pub use cover::{CoverError, cover};
 pub use error::BodyError;
 pub use sew::{Sewn, sew};
 use shells::shells;

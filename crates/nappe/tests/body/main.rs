@@ -2,5 +2,6 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod cover;
 mod sew;
 mod shapes;
