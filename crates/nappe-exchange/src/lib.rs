@@ -23,6 +23,7 @@ mod error;
 mod facets;
 mod format;
 mod gltf;
+mod iges;
 mod json;
 mod obj;
 mod ply;

@@ -1,6 +1,6 @@
 //! Files that are read.
 //!
-//! [`read()`] takes a file by its ending and says what it holds: triangles. Whatever is in the file, reading ends with a
+//! [`read()`] takes a file by its ending and says what it holds: exact geometry or triangles. Whatever is in the file, reading ends with a
 //! result or with a [`ReadError`] that says where; memory stays in proportion to the file's size.
 
 mod gltf;
@@ -14,6 +14,7 @@ mod threemf;
 mod weld;
 
 use crate::document::Document;
+use crate::iges;
 use crate::triangles::TriangleMesh;
 use std::fmt;
 use std::fs;
@@ -119,7 +120,9 @@ impl Fault {
 type ReadBytes = fn(&[u8], &Path) -> Result<Read, Fault>;
 
 /// The endings that can be read, and what reads them.
-const READERS: [(&str, ReadBytes); 6] = [
+const READERS: [(&str, ReadBytes); 8] = [
+    ("igs", |b, _| iges::read(b).map(Read::Document)),
+    ("iges", |b, _| iges::read(b).map(Read::Document)),
     ("stl", |b, _| stl::read(b).map(Read::Mesh)),
     ("obj", |b, _| obj::read(b).map(Read::Mesh)),
     ("ply", |b, _| ply::read(b).map(Read::Mesh)),
