@@ -23,7 +23,7 @@ mod error;
 mod facets;
 mod format;
 mod gltf;
-mod iges;
+pub mod iges;
 mod json;
 mod obj;
 mod ply;

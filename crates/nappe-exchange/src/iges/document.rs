@@ -255,6 +255,11 @@ fn item(
             for (face, why) in b.left {
                 left(out, space.entry(face)?, face, why);
             }
+            let colour = space.colour(entry);
+            // What all of it has, no face has for itself.
+            for f in b.faces.iter_mut().filter(|f| f.colour == colour) {
+                f.colour = None;
+            }
             let plain = b
                 .faces
                 .iter()

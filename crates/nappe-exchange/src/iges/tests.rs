@@ -1,6 +1,7 @@
 //! Files of other programs, and short ones with known geometry.
 
 use super::read;
+use super::write::{IgesOptions, text};
 use crate::document::{Document, ItemForm};
 use glam::DVec3;
 use nappe::CurveRef;
@@ -278,4 +279,118 @@ fn changed_files_end_with_a_result() {
     ] {
         assert_eq!(format!("{:?}", read(other.as_bytes()).unwrap()), wanted);
     }
+}
+
+/// Everything of a document that can be compared: kinds of items with names, and all control points, to the bit.
+fn told(d: &Document) -> Vec<String> {
+    let curve = |c: &CurveRef| {
+        let n = c.to_nurbs().unwrap();
+        format!("{:?} {:?} {:?}", n.knots(), n.homogeneous(), n.degree())
+    };
+    let form = |f: &ItemForm| match f {
+        ItemForm::Curve(c) => curve(c),
+        ItemForm::Points(p) => format!("{p:?}"),
+        ItemForm::Body { body, faces } => {
+            let surfaces: Vec<String> = body
+                .faces
+                .iter()
+                .map(|f| {
+                    let n = f.surface.to_nurbs().unwrap();
+                    format!("{:?} {:?} {:?}", n.homogeneous(), n.basis_u(), n.basis_v())
+                })
+                .collect();
+            let edges: Vec<String> = body.edges.iter().map(|e| curve(&e.curve)).collect();
+            format!(
+                "{surfaces:?} {edges:?} {:?} {:?} {faces:?}",
+                body.vertices, body.shells
+            )
+        }
+    };
+    d.items
+        .iter()
+        .map(|i| format!("{} {:?} {}", i.name, i.colour, form(&i.form)))
+        .collect()
+}
+
+#[test]
+fn what_is_written_comes_back_to_the_bit() {
+    let options = |trimmed| IgesOptions {
+        tolerance: 1e-6,
+        trimmed,
+    };
+    let mut d = read(&own("wigley.iges")).unwrap();
+    d.items[0].name =
+        "a hull, named at such length that its name goes on in the next line; and more".into();
+    d.items[0].colour = Some([0.25, 0.5, 1.0]);
+    let (file, report) = text(&d, &options(false)).unwrap();
+    assert_eq!(
+        (report.certainty, report.bodies),
+        (nappe::Certainty::Exact, [0, 1, 0])
+    );
+    assert!(
+        file.split(|b| *b == b'\n')
+            .all(|l| l.is_empty() || l.len() == 80)
+    );
+    let back = read(&file).unwrap();
+    assert_eq!((back.units, back.left_out.len()), (d.units, 0));
+    assert_eq!(told(&back), told(&d));
+    // As single trimmed surfaces the same faces and edges, each edge for itself.
+    let (file, report) = text(&d, &options(true)).unwrap();
+    assert_eq!(report.bodies, [0, 0, 1]);
+    let trimmed = read(&file).unwrap();
+    let (a, b) = (body(&trimmed, 0), body(&d, 0));
+    assert!(trimmed.left_out.is_empty(), "{:?}", trimmed.left_out);
+    assert_eq!((a.faces.len(), a.edges.len()), (1, 4));
+    assert_eq!(
+        a.faces[0].surface.to_nurbs().unwrap().homogeneous(),
+        b.faces[0].surface.to_nurbs().unwrap().homogeneous()
+    );
+    assert_eq!(trimmed.items[0].name, d.items[0].name);
+}
+
+#[test]
+fn a_sphere_is_a_solid_and_comes_back_as_one() {
+    use nappe::surface::{Quadric, QuadricOptions, QuadricShape};
+    let sphere = Quadric::new(QuadricShape::Sphere, &[3.0], QuadricOptions::default()).unwrap();
+    let body_of = nappe::body::sew(&[std::sync::Arc::new(sphere)], 1e-6).body;
+    assert!(body_of.shells[0].closed);
+    let item = |form| crate::Item {
+        name: "ball".into(),
+        colour: None,
+        form,
+    };
+    let d = Document {
+        items: vec![item(ItemForm::Body {
+            body: body_of,
+            faces: Vec::new(),
+        })],
+        ..Document::default()
+    };
+    let options = IgesOptions {
+        tolerance: 1e-6,
+        trimmed: true,
+    };
+    let (file, report) = text(&d, &options).unwrap();
+    assert_eq!(report.bodies, [1, 0, 0]);
+    let back = read(&file).unwrap();
+    assert!(back.left_out.is_empty(), "{:?}", back.left_out);
+    let b = body(&back, 0);
+    b.validate(1e-12).unwrap();
+    assert!(b.shells[0].closed);
+    assert_eq!(back.items[0].name, "ball");
+    assert_eq!(
+        b.faces[0].surface.to_nurbs().unwrap().homogeneous(),
+        body(&d, 0).faces[0]
+            .surface
+            .to_nurbs()
+            .unwrap()
+            .homogeneous()
+    );
+    // The normal still points out of it.
+    let outward = b.faces[0].forward == b.shells[0].faces[0].1;
+    let s = &b.faces[0].surface;
+    let [u, v] = s.domain();
+    let jet = s.jet([u.mid(), v.mid()], [nappe::Limit::Above; 2], 1);
+    let normal = jet.d[1].cross(jet.d[2]) * if outward { 1.0 } else { -1.0 };
+    assert!(normal.dot(jet.d[0]) > 0.0);
 }
