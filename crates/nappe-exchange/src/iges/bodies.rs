@@ -128,7 +128,7 @@ impl<'a> Builder<'a> {
             }
         };
         if loops.is_empty() {
-            let whole = nappe::body::sew(&[surface.clone()], 0.0).body;
+            let whole = nappe::body::sew(std::slice::from_ref(&surface), 0.0).body;
             if whole
                 .edges
                 .iter()

@@ -128,7 +128,7 @@ fn face(sheet: Sheet, borders: Vec<Border>, whole: bool, ordered: bool) -> Got<B
     };
     let mut body = Body::default();
     if whole {
-        body = sew(&[surface.clone()], 0.0).body;
+        body = sew(std::slice::from_ref(&surface), 0.0).body;
         let face = &mut body.faces[0];
         if !face.forward {
             // As the file sees it: with the surface's own normal.
@@ -252,7 +252,7 @@ fn signed_area(surface: &SurfaceRef, same: bool, b: &Border, body: &Body) -> Opt
         if is_closed(surface) {
             return None;
         }
-        let finder = Finder::new(&[surface.clone()], FinderOptions::default()).ok()?;
+        let finder = Finder::new(std::slice::from_ref(surface), FinderOptions::default()).ok()?;
         let n = body.edges.len();
         for (edge, forward) in border_edges(b, body, n) {
             for k in 0..PROJECTED {
