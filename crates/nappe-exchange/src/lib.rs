@@ -33,6 +33,7 @@ mod report;
 mod samples;
 mod scene;
 mod solid;
+pub mod step;
 mod stl;
 #[cfg(test)]
 mod tests;
