@@ -2,6 +2,8 @@
 
 mod error;
 mod read;
+mod write;
 
 pub use error::StepError;
 pub use read::{StepFile, read};
+pub use write::{Schema, StepOptions, StepReport, write};

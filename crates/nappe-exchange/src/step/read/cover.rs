@@ -1,12 +1,14 @@
 //! Surfaces with sides that cover a face of an endless one.
 
-use super::curves::Course;
+use super::curves::{self, Course};
 use super::surfaces::Expanse;
 use glam::DVec3;
 use nappe::body::cover;
 use nappe::curve::Transformed;
-use nappe::surface::{Elementary, RevolutionOptions, ruled};
+use nappe::query::{Finder, FinderOptions};
+use nappe::surface::{Elementary, RevolutionError, RevolutionOptions, Torus, TorusOptions, ruled};
 use nappe::{Box3, CurveRef, DAffine3, Dir, Frame, Interval, Revolution, SurfaceRef};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// A surface and whether its normal is opposite to the one the file means.
@@ -18,6 +20,8 @@ const MARGIN: f64 = 0.01;
 const PARTS: usize = 16;
 /// How far beyond the tip of a cone points may lie, as a share of the farthest on the right side.
 const BEYOND: f64 = 1e-6;
+/// A profile is cut at so many crossings of the axis.
+const CROSSINGS: usize = 6;
 /// Sines and relative distances below this are 0: directions and places of files have ten digits or more.
 const SAME: f64 = 1e-10;
 
@@ -107,6 +111,11 @@ impl Expanse {
                 frame,
                 major,
                 minor,
+            } if major < minor => spindle(border, frame, *major, *minor),
+            Expanse::Torus {
+                frame,
+                major,
+                minor,
             } => elementary(
                 border,
                 Elementary::Torus {
@@ -151,6 +160,26 @@ fn cone(border: &Border<'_>, frame: &Frame, radius: f64, slope: f64) -> Result<C
             outward: true,
         },
     )
+}
+
+/// A torus that passes through itself: its outer part.
+fn spindle(border: &Border<'_>, frame: &Frame, major: f64, minor: f64) -> Result<Covered, String> {
+    let inside = border.samples().any(|p| {
+        let c = frame.coordinates(p);
+        let from = |radius: f64| ((c.truncate().length() - radius).hypot(c.z) - minor).abs();
+        // Points of both parts are where these meet, on the axis.
+        from(major) > from(-major) + BEYOND * minor
+    });
+    if inside {
+        return Err("the inner part of a torus that passes through itself is not read".into());
+    }
+    let limit = (-major / minor).acos();
+    let options = TorusOptions {
+        frame: *frame,
+        range: [[0.0, TAU], [-limit, limit]],
+    };
+    let torus = Torus::new(major, minor, options).map_err(|e| e.to_string())?;
+    Ok((Arc::new(torus), false))
 }
 
 /// The profile of a swept surface as a curve with ends: of an endless one the part that `at` finds over the border.
@@ -292,7 +321,41 @@ fn revolution(border: &Border<'_>, course: &Course, axis: &Frame) -> Result<Cove
         _ => p,
     };
     let curve = profile(course, border, height)?;
-    let surface = Revolution::new(curve, *axis, RevolutionOptions::default());
     // There u runs along the curve, here round the axis.
-    Ok((Arc::new(surface.map_err(|e| e.to_string())?), true))
+    Ok((turned(border, curve, axis, 0)?, true))
+}
+
+/// The surface of a profile; where that crosses the axis, of the part that the border lies on.
+fn turned(
+    border: &Border<'_>,
+    curve: CurveRef,
+    axis: &Frame,
+    depth: usize,
+) -> Result<SurfaceRef, String> {
+    let at = match Revolution::new(curve.clone(), *axis, RevolutionOptions::default()) {
+        Ok(surface) => return Ok(Arc::new(surface)),
+        Err(RevolutionError::Crosses { at, .. }) if depth < CROSSINGS => at,
+        Err(e) => return Err(e.to_string()),
+    };
+    let domain = curve.domain();
+    let mut best: Option<(f64, SurfaceRef)> = None;
+    for [from, to] in [[domain.lo, at], [at, domain.hi]] {
+        let Ok(part) = curves::part(&curve, from, to) else {
+            continue;
+        };
+        let Ok(surface) = turned(border, part, axis, depth + 1) else {
+            continue;
+        };
+        let Ok(finder) = Finder::new(std::slice::from_ref(&surface), FinderOptions::default())
+        else {
+            continue;
+        };
+        let far = |p| finder.nearest(p).map_or(f64::INFINITY, |n| n.distance);
+        let distance = border.samples().map(far).fold(0.0, f64::max);
+        if best.as_ref().is_none_or(|b| distance < b.0) {
+            best = Some((distance, surface));
+        }
+    }
+    best.map(|b| b.1)
+        .ok_or_else(|| "its profile crosses the axis and has no part without a crossing".into())
 }

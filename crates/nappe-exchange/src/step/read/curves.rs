@@ -381,7 +381,7 @@ impl Course {
 }
 
 /// A part of a curve with ends, as what it is where possible; backwards if `to` is smaller.
-fn part(c: &CurveRef, from: f64, to: f64) -> Result<CurveRef, String> {
+pub(super) fn part(c: &CurveRef, from: f64, to: f64) -> Result<CurveRef, String> {
     let domain = c.domain();
     let inside = |t: f64| t.clamp(domain.lo, domain.hi);
     let (from, to) = (inside(from), inside(to));

@@ -36,18 +36,18 @@ const MOST_READS: u64 = 1 << 32;
 
 /// A file in memory.
 #[derive(Debug)]
-pub(super) struct File {
-    bytes: Vec<u8>,
+pub(super) struct File<'b> {
+    bytes: &'b [u8],
     scan: Scan,
     places: Places,
     reads: Cell<u64>,
 }
 
-impl File {
+impl<'b> File<'b> {
     /// Finds the entities of a file. Errors: as [`scan`].
-    pub(super) fn new(bytes: Vec<u8>) -> Result<Self, StepError> {
-        let mut scan = scan(&bytes)?;
-        let places = places(&bytes, &scan.entries)?;
+    pub(super) fn new(bytes: &'b [u8]) -> Result<Self, StepError> {
+        let mut scan = scan(bytes)?;
+        let places = places(bytes, &scan.entries)?;
         scan.entries.shrink_to_fit();
         Ok(Self {
             bytes,
@@ -122,14 +122,14 @@ impl File {
     fn placed(&self, entry: Entry, why: &str) -> Refused {
         self.refused(
             entry.id,
-            format!("line {}: {why}", line(&self.bytes, entry.at)),
+            format!("line {}: {why}", line(self.bytes, entry.at)),
         )
     }
 
     /// An entity with its parameters.
     pub(super) fn record(&self, id: u64) -> Got<Record<'_>> {
         let entry = self.begin(id)?;
-        let mut cursor = Cursor::new(&self.bytes, entry.at);
+        let mut cursor = Cursor::new(self.bytes, entry.at);
         let mut parts = Vec::with_capacity(1);
         let mut read = || -> Result<(), String> {
             if cursor.peek() != Some(b'(') {
@@ -153,7 +153,7 @@ impl File {
         if self.scan.kinds[entry.kind as usize].name != kind {
             return Err(self.refused(id, format!("it is not a {kind}")));
         }
-        let mut cursor = Cursor::new(&self.bytes, entry.at);
+        let mut cursor = Cursor::new(self.bytes, entry.at);
         let mut read = || -> Result<[f64; 3], String> {
             cursor.keyword()?;
             cursor.expect(b'(', "`(`")?;
@@ -179,7 +179,7 @@ impl File {
     /// The first text of an entity of the header: the file's name of `FILE_NAME`.
     pub(super) fn header(&self, keyword: &str) -> Option<String> {
         self.scan.header.iter().find_map(|&at| {
-            let mut cursor = Cursor::new(&self.bytes, at);
+            let mut cursor = Cursor::new(self.bytes, at);
             let name = cursor.keyword().ok()?;
             if !name.eq_ignore_ascii_case(keyword.as_bytes()) {
                 return None;
@@ -228,7 +228,7 @@ fn places(bytes: &[u8], entries: &[Entry]) -> Result<Places, StepError> {
 /// An entity with its parameters.
 #[derive(Clone, Debug)]
 pub(super) struct Record<'a> {
-    file: &'a File,
+    file: &'a File<'a>,
     /// Its number.
     pub(super) id: u64,
     /// Keyword and parameters; several of a complex entity.
@@ -300,7 +300,7 @@ fn references(values: &[Value<'_>], found: &mut Vec<u64>) {
 /// A list of parameters, of which each is of the kind that is asked for or refused.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Args<'r, 'a> {
-    file: &'a File,
+    file: &'a File<'a>,
     id: u64,
     /// The parameters.
     pub(super) values: &'r [Value<'a>],

@@ -24,7 +24,7 @@ use nappe::Units;
 use nappe::body::Body;
 use place::Space;
 use products::{Placed, Tree};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// What was read.
 #[derive(Clone, Debug, Default)]
@@ -50,7 +50,7 @@ const DEPTH: usize = 32;
 ///
 /// # Errors
 /// [`StepError`]: no STEP file, one that is cut off, or two entities of one number.
-pub fn read(bytes: Vec<u8>) -> Result<StepFile, StepError> {
+pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
     let file = File::new(bytes)?;
     let mut left = Left::default();
     let mut tree = Tree::new(&file, Units::default(), &mut left);
@@ -67,6 +67,7 @@ pub fn read(bytes: Vec<u8>) -> Result<StepFile, StepError> {
             units,
             ..Document::default()
         },
+        read: HashSet::new(),
     };
     for p in &placed {
         reader.representation(p, None, 0);
@@ -93,7 +94,7 @@ pub fn read(bytes: Vec<u8>) -> Result<StepFile, StepError> {
 }
 
 /// The unit of the first representation that states one.
-fn units(file: &File, tree: &mut Tree<'_>) -> Units {
+fn units(file: &File<'_>, tree: &mut Tree<'_>) -> Units {
     let kinds = file
         .kinds()
         .iter()
@@ -107,11 +108,13 @@ fn units(file: &File, tree: &mut Tree<'_>) -> Units {
 }
 
 struct Reader<'a> {
-    file: &'a File,
+    file: &'a File<'a>,
     colours: HashMap<u64, Colour>,
     tree: Tree<'a>,
     left: Left,
     document: Document,
+    /// Items that were read.
+    read: HashSet<u64>,
 }
 
 impl<'a> Reader<'a> {
@@ -128,6 +131,10 @@ impl<'a> Reader<'a> {
         };
         let colour = self.colours.get(&placed.id).copied().or(colour);
         for id in items {
+            if placed.orphan && !self.read.insert(id) {
+                continue;
+            }
+            self.read.insert(id);
             if let Err(r) = self.item(&space, placed, id, colour, depth) {
                 self.left.add(&r);
             }
@@ -155,6 +162,7 @@ impl<'a> Reader<'a> {
                     id: inner,
                     path: placed.path.clone(),
                     map: placed.map * map,
+                    orphan: false,
                 };
                 self.representation(&placed, colour, depth + 1);
                 Ok(())

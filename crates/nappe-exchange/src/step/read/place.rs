@@ -10,7 +10,7 @@ use nappe::{Frame, Units};
 #[derive(Clone, Debug)]
 pub(super) struct Space<'a> {
     /// The file.
-    pub(super) file: &'a File,
+    pub(super) file: &'a File<'a>,
     /// Lengths are multiplied with this.
     pub(super) factor: f64,
     /// Angles are multiplied with this.
@@ -28,7 +28,7 @@ const UNSTATED: f64 = 1e-6;
 
 impl<'a> Space<'a> {
     pub(super) fn new(
-        file: &'a File,
+        file: &'a File<'a>,
         context: &Context,
         units: Units,
         map: Option<DAffine3>,

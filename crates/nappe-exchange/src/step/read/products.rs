@@ -16,6 +16,8 @@ pub(super) struct Placed {
     pub(super) path: Vec<String>,
     /// Where it is.
     pub(super) map: DAffine3,
+    /// Whether no product has it: then it may repeat what others show.
+    pub(super) orphan: bool,
 }
 
 /// Assemblies of assemblies are followed so far.
@@ -34,7 +36,7 @@ struct Use {
 
 /// How representations hang together.
 pub(super) struct Tree<'a> {
-    file: &'a File,
+    file: &'a File<'a>,
     units: Units,
     contexts: HashMap<u64, Context>,
     /// Representations that hold the same shape.
@@ -47,7 +49,7 @@ pub(super) struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    pub(super) fn new(file: &'a File, units: Units, left: &mut Left) -> Self {
+    pub(super) fn new(file: &'a File<'a>, units: Units, left: &mut Left) -> Self {
         let mut tree = Tree {
             file,
             units,
@@ -224,6 +226,7 @@ impl<'a> Tree<'a> {
             out: &mut out,
             seen: &mut seen,
             left,
+            orphans: false,
         };
         for (id, name) in tops.drain(..) {
             let path = if whole || name.is_empty() {
@@ -234,6 +237,7 @@ impl<'a> Tree<'a> {
             self.lay_out(id, path, DAffine3::IDENTITY, &mut Vec::new(), &mut ways);
         }
         // Shapes without a product.
+        ways.orphans = true;
         for id in all {
             if !ways.seen.contains(&id) && !self.parts.contains(&id) {
                 self.lay_out(id, vec![], DAffine3::IDENTITY, &mut Vec::new(), &mut ways);
@@ -276,6 +280,7 @@ impl<'a> Tree<'a> {
                 id: *id,
                 path: path.clone(),
                 map,
+                orphan: ways.orphans,
             });
             for (child, name, onto) in self.uses_of(*id) {
                 let placed = onto.map_or(Ok(DAffine3::IDENTITY), |o| self.laid_on(child, *id, o));
@@ -310,10 +315,11 @@ struct Ways<'l> {
     out: &'l mut Vec<Placed>,
     seen: &'l mut HashSet<u64>,
     left: &'l mut Left,
+    orphans: bool,
 }
 
 /// All representations that may hold shapes, but for those that are only there to be placed by others.
-fn representations(file: &File) -> Vec<u64> {
+fn representations(file: &File<'_>) -> Vec<u64> {
     let mapped: HashSet<u64> = file
         .all("REPRESENTATION_MAP")
         .filter_map(|id| file.record(id).ok()?.args().reference(1).ok())

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 const DEPTH: usize = 10;
 
 /// The colour of each entity that has one of its own.
-pub(super) fn colours(file: &File) -> HashMap<u64, Colour> {
+pub(super) fn colours(file: &File<'_>) -> HashMap<u64, Colour> {
     let mut found = HashMap::new();
     let mut known = HashMap::new();
     // Styles that override others come last.
@@ -31,7 +31,7 @@ pub(super) fn colours(file: &File) -> HashMap<u64, Colour> {
 
 /// The first colour that a style leads to.
 fn colour(
-    file: &File,
+    file: &File<'_>,
     id: u64,
     depth: usize,
     known: &mut HashMap<u64, Option<Colour>>,

@@ -36,7 +36,7 @@ const DEPTH: usize = 8;
 
 impl Context {
     /// The context with this number.
-    pub(super) fn read(file: &File, id: u64) -> Got<Self> {
+    pub(super) fn read(file: &File<'_>, id: u64) -> Got<Self> {
         let record = file.record(id)?;
         let mut context = Context::default();
         if let Some(units) = record.part("GLOBAL_UNIT_ASSIGNED_CONTEXT") {
@@ -115,7 +115,7 @@ enum Unit {
     Angle(f64),
 }
 
-fn unit_of(file: &File, id: u64, depth: usize) -> Got<Option<Unit>> {
+fn unit_of(file: &File<'_>, id: u64, depth: usize) -> Got<Option<Unit>> {
     if depth > DEPTH {
         return Err(file.refused(id, "units are made of units without end"));
     }
