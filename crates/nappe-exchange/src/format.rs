@@ -23,6 +23,8 @@ pub enum Format {
     Vtu,
     /// The exact NURBS curves and surfaces.
     Json,
+    /// STEP, ISO 10303-21: exact surfaces as bodies. Also `.stp`.
+    Step,
     /// A picture of pixels.
     Png,
     /// A picture of vectors.
@@ -31,7 +33,7 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 10] = [
+    pub const ALL: [Format; 11] = [
         Format::Glb,
         Format::Gltf,
         Format::Stl,
@@ -40,6 +42,7 @@ impl Format {
         Format::ThreeMf,
         Format::Vtu,
         Format::Json,
+        Format::Step,
         Format::Png,
         Format::Svg,
     ];
@@ -55,6 +58,7 @@ impl Format {
             Format::ThreeMf => "3mf",
             Format::Vtu => "vtu",
             Format::Json => "json",
+            Format::Step => "step",
             Format::Png => "png",
             Format::Svg => "svg",
         }
@@ -62,7 +66,10 @@ impl Format {
 
     /// Whether it holds a mesh, as opposed to exact geometry or a picture.
     pub fn is_mesh(self) -> bool {
-        !matches!(self, Format::Json | Format::Png | Format::Svg)
+        !matches!(
+            self,
+            Format::Json | Format::Step | Format::Png | Format::Svg
+        )
     }
 
     /// All endings as a list for messages: `.glb .gltf …`.
@@ -81,7 +88,7 @@ impl Format {
             .unwrap_or_default();
         Format::ALL
             .into_iter()
-            .find(|f| f.ending() == ending)
+            .find(|f| f.ending() == ending || (*f == Format::Step && ending == "stp"))
             .ok_or_else(|| ExchangeError::UnknownEnding {
                 path: path.to_owned(),
                 nearest: nearest(&ending),
@@ -164,7 +171,7 @@ mod tests {
             );
             assert!(
                 e.to_string()
-                    .contains(".glb .gltf .stl .obj .ply .3mf .vtu .json .png .svg"),
+                    .contains(".glb .gltf .stl .obj .ply .3mf .vtu .json .step .png .svg"),
                 "{e}"
             );
         }

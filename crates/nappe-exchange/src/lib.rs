@@ -13,6 +13,7 @@
 //! | `.vtu` | mesh with normals, parameters and all fields |
 //! | `.png`, `.svg` | pictures, see [`render`] |
 //! | `.json` | the exact NURBS curves and surfaces |
+//! | `.step`, `.stp` | the exact surfaces as bodies with names, see [`step`] |
 //!
 //! Formats that store f64 keep the mesh's proof as it is; for those that store f32, [`WriteReport`] adds what rounding
 //! moved. Triangles that rounding makes degenerate are counted, never written in silence.
@@ -26,8 +27,8 @@ mod gltf;
 mod json;
 mod obj;
 mod ply;
+pub mod read;
 pub mod render;
-
 mod report;
 #[cfg(test)]
 mod samples;
@@ -39,6 +40,7 @@ mod stl;
 mod tests;
 mod text;
 mod threemf;
+mod triangles;
 mod vtu;
 mod write;
 
@@ -47,8 +49,10 @@ pub use document::{Document, FaceStyle, Item, ItemForm, LeftOut};
 pub use error::{ExchangeError, PictureError, SceneError};
 pub use format::Format;
 pub use nappe::Units;
+pub use read::{Read, ReadError, read};
 pub use report::{Progress, WriteOptions, WriteReport};
 pub use scene::{Colour, Exact, ExactForm, Field, PALETTE, Part, Polyline, Scene};
+pub use triangles::{Group, MeshFacts, TriangleMesh, mesh_facts};
 pub use write::write;
 
 pub(crate) use write::Output;

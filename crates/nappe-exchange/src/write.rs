@@ -6,6 +6,7 @@ use crate::format::Format;
 use crate::render::Picture;
 use crate::report::{Tally, Ticker, WriteOptions, WriteReport};
 use crate::scene::Scene;
+use crate::step::{self, Schema, StepOptions};
 use crate::{gltf, json, obj, ply, stl, threemf, vtu};
 use nappe::mesh::Certainty;
 use std::io::{Seek, Write};
@@ -43,6 +44,9 @@ pub fn write(
             what: "exact curves or surfaces",
         });
     }
+    if format == Format::Step {
+        return exact(path, scene, options);
+    }
     check_limits(path, format, scene)?;
     if matches!(format, Format::Png | Format::Svg) {
         return Picture::new(scene, options.picture.clone()).write(path, options.progress);
@@ -62,6 +66,42 @@ pub fn write(
     })?;
     options.progress.tell(1.0);
     Ok(report(path, format, scene, tally))
+}
+
+/// How far stand-ins for what has no exact form may be, metres, if nothing is said.
+const CLOSE: f64 = 1e-6;
+
+/// A file of exact shapes.
+fn exact(
+    path: &Path,
+    scene: &Scene,
+    options: &WriteOptions<'_>,
+) -> Result<WriteReport, ExchangeError> {
+    let close = CLOSE / scene.document.units.metres();
+    let step = StepOptions {
+        schema: Schema::default(),
+        tolerance: options.tolerance.unwrap_or(close),
+    };
+    let written = step::write(path, &scene.document, &step)?;
+    options.progress.tell(1.0);
+    let mut notes = Vec::new();
+    if written.approximated > 0 {
+        notes.push(format!(
+            "{} surfaces have no exact form that the format holds and are approximated.",
+            written.approximated
+        ));
+    }
+    Ok(WriteReport {
+        path: path.to_owned(),
+        format: Format::Step,
+        bytes: std::fs::metadata(path).map_or(0, |m| m.len()),
+        triangles: 0,
+        dropped_degenerate: 0,
+        kept_slivers: 0,
+        rounding: 0.0,
+        deviation: written.certainty,
+        notes,
+    })
 }
 
 /// The counters of STL and GLB have 32 bits.
