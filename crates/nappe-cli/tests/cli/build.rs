@@ -182,7 +182,7 @@ fn outputs_that_cannot_be_are_told_before_anything_is_built() {
     // The model is wrong too, but the outputs come first.
     let folder = Folder::with_model("[surfaces.a]\nkind = 'nothing'\n");
     let run = folder
-        .nappe("build model.nappe.toml -o out.slt -o out.step -o none/out.glb -o . -o good.glb");
+        .nappe("build model.nappe.toml -o out.slt -o out.iges -o none/out.glb -o . -o good.glb");
     assert_snapshot!(run.problem());
     assert_eq!(folder.names(), ["model.nappe.toml"]);
     assert_eq!(
