@@ -13,6 +13,8 @@
 //! | `.vtu` | mesh with normals, parameters and all fields |
 //! | `.png`, `.svg` | pictures, see [`render`] |
 //! | `.json` | the exact NURBS curves and surfaces |
+//! | `.step`, `.stp` | the exact surfaces as bodies with names, see [`step`] |
+//! | `.igs`, `.iges` | the exact NURBS surfaces, trimmed or as solids, see [`iges`] |
 //!
 //! Formats that store f64 keep the mesh's proof as it is; for those that store f32, [`WriteReport`] adds what rounding
 //! moved. Triangles that rounding makes degenerate are counted, never written in silence.
@@ -34,6 +36,7 @@ mod report;
 mod samples;
 mod scene;
 mod solid;
+pub mod step;
 mod stl;
 #[cfg(test)]
 mod tests;

@@ -1,6 +1,6 @@
 //! Files that are read.
 //!
-//! [`read()`] takes a file by its ending and says what it holds: exact geometry or triangles. Whatever is in the file, reading ends with a
+//! [`read()`] takes a file by its ending and says what it holds: triangles, or exact shapes. Whatever is in the file, reading ends with a
 //! result or with a [`ReadError`] that says where; memory stays in proportion to the file's size.
 
 mod gltf;
@@ -120,7 +120,7 @@ impl Fault {
 type ReadBytes = fn(&[u8], &Path) -> Result<Read, Fault>;
 
 /// The endings that can be read, and what reads them.
-const READERS: [(&str, ReadBytes); 8] = [
+const READERS: [(&str, ReadBytes); 10] = [
     ("igs", |b, _| iges::read(b).map(Read::Document)),
     ("iges", |b, _| iges::read(b).map(Read::Document)),
     ("stl", |b, _| stl::read(b).map(Read::Mesh)),
@@ -129,7 +129,14 @@ const READERS: [(&str, ReadBytes); 8] = [
     ("glb", |b, p| gltf::read(b, p.parent()).map(Read::Mesh)),
     ("gltf", |b, p| gltf::read(b, p.parent()).map(Read::Mesh)),
     ("3mf", |b, _| threemf::read(b).map(Read::Mesh)),
+    ("step", |b, _| step(b)),
+    ("stp", |b, _| step(b)),
 ];
+
+fn step(bytes: &[u8]) -> Result<Read, Fault> {
+    let file = crate::step::read(bytes).map_err(|e| Fault::whole(e.to_string()))?;
+    Ok(Read::Document(file.document))
+}
 
 /// All endings that can be read, as a list for messages: `.stl .obj …`.
 pub fn endings() -> String {

@@ -116,7 +116,7 @@ impl Around {
             .iter()
             .fold(0.0f64, |m, p| m.max(p.abs().max_element()));
         // Scaled, so that products of very large or very small lengths neither overflow nor vanish.
-        let scale = if size > 0.0 { size.recip() } else { 1.0 };
+        let scale = Some(size.recip()).filter(|s| s.is_finite()).unwrap_or(1.0);
         let areas = all().map(|&t| area_vector(mesh.corners(t).map(|c| c * scale)));
         Around {
             starts,

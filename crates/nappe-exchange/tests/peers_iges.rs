@@ -131,7 +131,10 @@ fn another_kernel_finds_the_same_in_files_written_again() {
         let Read::Document(d) = read(&file).unwrap() else {
             panic!("no document")
         };
-        areas.push(whole_area(&d).filter(|_| file.ends_with("side.iges")));
+        areas.push((
+            whole_area(&d).filter(|_| file.ends_with("side.iges")),
+            loose(&d),
+        ));
         for trimmed in [false, true] {
             let again = folder.path().join(format!("{i}{trimmed}.igs"));
             write(&again, &d, &IgesOptions { trimmed, ..OPTIONS }).unwrap();
@@ -143,12 +146,14 @@ fn another_kernel_finds_the_same_in_files_written_again() {
     }
     let Some(answers) = asked(&files) else { return };
     for ((three, files), whole) in answers.chunks(3).zip(files.chunks(3)).zip(areas) {
+        let (whole, loose) = whole;
         let theirs = &three[2];
         // Its integral over a swept spline has few digits (2e-4): there the proven area is what ours must have.
         let area = whole.unwrap_or(number(theirs, "area"));
         for ours in &three[..2] {
             assert_eq!(ours["faces"], theirs["faces"], "{files:?}: {three:?}");
-            assert!(near(number(ours, "area"), area), "{files:?}: {three:?}");
+            let apart = (number(ours, "area") - area).abs();
+            assert!(apart <= AGREE * area + loose, "{files:?}: {three:?}");
         }
     }
 }
@@ -160,4 +165,22 @@ fn whole_area(d: &Document) -> Option<f64> {
     };
     let area = nappe::measure::area(body.faces[0].surface.as_ref(), &Default::default());
     Some(area.value * (d.units.metres() * 1e3).powi(2))
+}
+
+/// The area that the file leaves open, square millimetres: the length of all borders times the distance within which it
+/// says that their curves lie on the surfaces.
+fn loose(d: &Document) -> f64 {
+    let bodies = d.items.iter().filter_map(|i| match &i.form {
+        ItemForm::Body { body, .. } => Some(body),
+        _ => None,
+    });
+    let length: f64 = bodies
+        .flat_map(|b| &b.edges)
+        .map(|e| {
+            let r = e.curve.domain();
+            let at = |k: i32| e.curve.point(r.lo + (r.hi - r.lo) * f64::from(k) / 64.0);
+            (0..64).map(|k| at(k).distance(at(k + 1))).sum::<f64>()
+        })
+        .sum();
+    length * d.uncertainty.unwrap_or(0.0) * (d.units.metres() * 1e3).powi(2)
 }
