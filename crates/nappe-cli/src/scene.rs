@@ -4,12 +4,15 @@ use crate::failure::Failure;
 use crate::fault;
 use crate::screen::Screen;
 use crate::slits::JOINED;
+use nappe::body::sew;
 use nappe::exact::{ApproximationError, to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
 use nappe::measure::{Curvature, curvature, unbounded_curvature};
 use nappe::mesh::{Certainty, Mesh, MeshError, MeshOptions, MeshPatch, flatten, mesh};
 use nappe::surface::{Normal, SurfaceRef, normal_at};
 use nappe::{DVec3, Interval, Limit};
-use nappe_exchange::{Exact, ExactForm, Field, Part, Polyline, Scene};
+use nappe_exchange::{
+    Document, Exact, ExactForm, FaceStyle, Field, Item, ItemForm, Part, Polyline, Scene,
+};
 use nappe_model::{Model, NamedSurface};
 use std::ops::Range;
 use std::sync::Arc;
@@ -130,6 +133,41 @@ pub(crate) fn scene(
         curves: polylines(model, detail.tolerance, asked)?,
         ..unmeshed(model)
     })
+}
+
+/// What the model puts out as exact shapes: all surfaces sewn to one body, and the curves. Sides are one if the mesh would
+/// join them.
+pub(crate) fn document(model: &Model, tolerance: f64) -> Document {
+    let named: Vec<&NamedSurface> = model.output().collect();
+    let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
+    let mut items = Vec::new();
+    if !surfaces.is_empty() {
+        let sewn = sew(&surfaces, JOINED * tolerance);
+        let face = |s: &&NamedSurface| FaceStyle {
+            name: s.name.clone(),
+            colour: None,
+        };
+        items.push(Item {
+            name: model.title.clone(),
+            colour: None,
+            form: ItemForm::Body {
+                body: sewn.body,
+                faces: named.iter().map(face).collect(),
+            },
+        });
+    }
+    let curves = model.curves.iter().filter(|c| !c.construction_only);
+    items.extend(curves.map(|c| Item {
+        name: c.name.clone(),
+        colour: None,
+        form: ItemForm::Curve(c.curve.clone()),
+    }));
+    Document {
+        name: Some(model.title.clone()),
+        units: model.units,
+        items,
+        ..Document::default()
+    }
 }
 
 /// A scene for a picture, whose mesh has a tolerance far below a pixel: surfaces so small that the mesh takes them for one

@@ -3,6 +3,7 @@
 mod build;
 mod check;
 mod completions;
+mod convert;
 mod eval;
 mod examples;
 mod figures;
@@ -26,6 +27,7 @@ pub(crate) enum Command {
     Check(check::Args),
     Project(project::Args),
     Render(render::Args),
+    Convert(convert::Args),
     Schema(schema::Args),
     Examples(examples::Args),
     Completions(completions::Args),
@@ -41,6 +43,7 @@ impl Command {
             Command::Check(args) => args.run(screen),
             Command::Project(args) => args.run(screen),
             Command::Render(args) => args.run(screen),
+            Command::Convert(args) => args.run(screen),
             Command::Schema(args) => args.run(),
             Command::Examples(args) => args.run(screen),
             Command::Completions(args) => args.run(),

@@ -181,8 +181,7 @@ fn objects_for_construction_only_are_not_put_out() {
 fn outputs_that_cannot_be_are_told_before_anything_is_built() {
     // The model is wrong too, but the outputs come first.
     let folder = Folder::with_model("[surfaces.a]\nkind = 'nothing'\n");
-    let run = folder
-        .nappe("build model.nappe.toml -o out.slt -o out.step -o none/out.glb -o . -o good.glb");
+    let run = folder.nappe("build model.nappe.toml -o out.slt -o none/out.glb -o . -o good.glb");
     assert_snapshot!(run.problem());
     assert_eq!(folder.names(), ["model.nappe.toml"]);
     assert_eq!(
@@ -377,4 +376,42 @@ fn a_negative_tolerance_is_named_as_what_it_is() {
             );
         }
     }
+}
+
+/// A model goes out as IGES, is converted to STEP and back, and meshes go from format to format.
+#[test]
+fn files_are_converted() {
+    let folder = Folder::new();
+    folder.write(
+        "ball.nappe.toml",
+        "nappe = 1\n[surfaces.ball]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [2]\n",
+    );
+    folder
+        .nappe("build ball.nappe.toml -o ball.igs -o ball.stl")
+        .data();
+    folder.nappe("convert ball.igs ball.step").data();
+    folder.nappe("convert ball.step again.iges").data();
+    let text = String::from_utf8(folder.read("again.iges")).unwrap();
+    // A solid with one face.
+    let entities = |kind: &str| {
+        let directory = text.lines().filter(|l| l.as_bytes().get(72) == Some(&b'D'));
+        directory
+            .step_by(2)
+            .filter(|l| l[..8].trim() == kind)
+            .count()
+    };
+    assert_eq!(
+        (entities("186"), entities("510"), entities("128")),
+        (1, 1, 1)
+    );
+    folder.nappe("convert ball.stl ball.ply").data();
+    folder.nappe("convert ball.ply ball.3mf").data();
+    let refused = folder.nappe("convert ball.stl ball.igs");
+    assert!(
+        refused.problem().contains("no exact surfaces"),
+        "{}",
+        refused.problem()
+    );
+    let refused = folder.nappe("convert ball.igs ball.xyz");
+    assert!(refused.problem().contains(".xyz"), "{}", refused.problem());
 }

@@ -10,9 +10,15 @@
 //!      ── vertices: points
 //! ```
 
+mod cover;
 mod error;
+mod sew;
+mod shells;
 
+pub use cover::{CoverError, cover};
 pub use error::BodyError;
+pub use sew::{Sewn, sew};
+use shells::shells;
 
 use crate::curve::CurveRef;
 use crate::surface::SurfaceRef;

@@ -58,6 +58,7 @@ pub use regularity::{Regularity, regularity};
 pub use search::{Extreme, SearchOptions};
 pub use solid::{Solid, solids};
 pub use tear::tear;
+pub(crate) use volume::inside_out;
 pub use volume::{Shell, VolumeError, shells, volume};
 
 /// How large a surface is: the diagonal of a box around points of it. Enclosures of a whole domain may be much larger than
