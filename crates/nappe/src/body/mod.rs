@@ -10,15 +10,27 @@
 //!      ── vertices: points
 //! ```
 
+mod chart;
 mod cover;
+mod cut;
 mod error;
+mod figures;
+mod flat;
+mod mesh;
+mod region;
 mod sew;
 mod shells;
+mod transform;
+mod triangulate;
 
 pub use cover::{CoverError, cover};
 pub use error::BodyError;
+pub use figures::{BodyFigures, extent, figures};
+pub use mesh::{BodyMeshError, FaceError, Meshed, mesh};
+pub use region::RegionError;
 pub use sew::{Sewn, sew};
 use shells::shells;
+pub use transform::{BodyCounts, BodyTransformError};
 
 use crate::curve::CurveRef;
 use crate::surface::SurfaceRef;

@@ -45,6 +45,7 @@ pub(crate) mod shared;
 mod slide;
 mod stitch;
 
+pub(crate) use bound::sampled;
 pub use flatten::{FlatCurve, FlattenError, flatten};
 pub use joints::{Joint, Joints, joints, near_joints};
 pub use options::{MeshError, MeshOptions, Progress};

@@ -3,5 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod cover;
+mod figures;
+mod mesh;
 mod sew;
 mod shapes;
