@@ -54,6 +54,7 @@
 //! * [`exact`]: NURBS curves and surfaces, their tools, conversion and approximation.
 //! * [`mesh`](mod@mesh): certified triangles. [`measure`]: area, volume, curvature, continuity, each with its error.
 //! * [`query`]: nearest points, with proofs.
+//! * [`velocity`]: how curves and surfaces move with a number that they are made of.
 //! * [`expr`]: formulas as text. [`laws`]: what every curve and surface must obey, as a test of one line.
 //!
 //! # Conventions
@@ -74,6 +75,7 @@ pub mod query;
 pub mod scalar;
 pub mod series;
 pub mod surface;
+pub mod velocity;
 
 mod ball;
 mod box3;
