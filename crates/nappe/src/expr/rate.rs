@@ -41,7 +41,8 @@ impl Bound {
         let mut run = Run::new(self, &enclosed, 1, None);
         let range = run.result()?.c[1];
         let open = run.outcomes.contains(&Outcome::Open);
-        if open && range.width().is_nan() | (range.width() > SAME_RATE * range.mag()) {
+        let one = range.is_finite() && range.width() <= SAME_RATE * range.mag();
+        if open && !one {
             return Ok(Slope::Kink(range));
         }
         Ok(Slope::One(rate))
