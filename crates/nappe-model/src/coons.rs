@@ -108,7 +108,8 @@ impl Builder<'_> {
         Err(self.refuse(o, (key, &[]), message, help))
     }
 
-    fn blend(&mut self, o: &Object) -> Built<Blending> {
+    /// The blending functions.
+    pub(crate) fn blend(&mut self, o: &Object) -> Built<Blending> {
         let f = &o.fields;
         match f.get("blend").map(|i| &i.datum) {
             None => Ok(Blending::linear()),
@@ -177,7 +178,7 @@ impl Builder<'_> {
     }
 
     /// The cross-derivatives and how unknown twists are estimated.
-    fn cross(&mut self, o: &Object) -> Built<([Cross; 4], Estimate)> {
+    pub(crate) fn cross(&mut self, o: &Object) -> Built<([Cross; 4], Estimate)> {
         let word = |w: &str| {
             if w == "adini" {
                 Estimate::Adini

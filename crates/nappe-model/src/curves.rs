@@ -20,6 +20,41 @@ pub(crate) fn need<T>(x: Option<T>) -> Built<T> {
     x.ok_or(Stop::Reported)
 }
 
+/// What an arc, a circle or an ellipse is made of.
+pub(crate) struct ArcData {
+    pub(crate) center: DVec3,
+    pub(crate) semi_axes: [f64; 2],
+    /// In radians.
+    pub(crate) range: [f64; 2],
+}
+
+impl ArcData {
+    /// The data of an object; where no range is given it ends at `to`.
+    pub(crate) fn of(o: &Object, to: f64) -> Built<Self> {
+        let f = &o.fields;
+        let semi_axes = match f.number("radius") {
+            Some(r) => [r, r],
+            None => need(f.numbers("semi_axes").and_then(|a| a.try_into().ok()))?,
+        };
+        Ok(Self {
+            center: f.vector("center").unwrap_or(DVec3::ZERO),
+            semi_axes,
+            range: [("from", 0.0), ("to", to)].map(|(k, d)| f.number(k).unwrap_or(d)),
+        })
+    }
+
+    /// The curve, in the plane that the fields say.
+    pub(crate) fn ellipse(&self, f: &Fields) -> Result<Ellipse, CurveError> {
+        let options = EllipseOptions {
+            from: self.range[0],
+            to: self.range[1],
+            normal: f.vector("normal").unwrap_or(DVec3::Z),
+            x_direction: f.vector("x_direction"),
+        };
+        Ellipse::new(self.center, self.semi_axes, options)
+    }
+}
+
 impl Builder<'_> {
     /// Builds a curve.
     pub(crate) fn curve_of(&mut self, o: &Object) -> Built<CurveRef> {
@@ -72,32 +107,9 @@ impl Builder<'_> {
                 let points = need(<[DVec3; 3]>::try_from(points).ok())?;
                 self.curve_result(o, Ellipse::through(points))
             }
-            "arc" => {
-                let r = number("radius")?;
-                self.ellipse(
-                    o,
-                    vector("center")?,
-                    [r, r],
-                    [number("from")?, number("to")?],
-                )
-            }
-            "circle" => {
-                let r = number("radius")?;
-                self.ellipse(
-                    o,
-                    f.vector("center").unwrap_or(DVec3::ZERO),
-                    [r, r],
-                    [0.0, TAU],
-                )
-            }
-            "ellipse" => {
-                let axes = need(f.numbers("semi_axes"))?;
-                let axes = need(<[f64; 2]>::try_from(axes).ok())?;
-                let range = [
-                    f.number("from").unwrap_or(0.0),
-                    f.number("to").unwrap_or(TAU),
-                ];
-                self.ellipse(o, f.vector("center").unwrap_or(DVec3::ZERO), axes, range)
+            "arc" | "circle" | "ellipse" => {
+                let data = ArcData::of(o, TAU)?;
+                self.curve_result(o, data.ellipse(f))
             }
             "conic" => {
                 let points = need(f.vectors("points"))?;
@@ -160,22 +172,6 @@ impl Builder<'_> {
                 "use another kind",
             )),
         }
-    }
-
-    fn ellipse(
-        &mut self,
-        o: &Object,
-        center: DVec3,
-        axes: [f64; 2],
-        range: [f64; 2],
-    ) -> Built<CurveRef> {
-        let options = EllipseOptions {
-            from: range[0],
-            to: range[1],
-            normal: o.fields.vector("normal").unwrap_or(DVec3::Z),
-            x_direction: o.fields.vector("x_direction"),
-        };
-        self.curve_result(o, Ellipse::new(center, axes, options))
     }
 
     fn expression(&mut self, o: &Object) -> Built<CurveRef> {

@@ -5,7 +5,7 @@ use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::params::{self, Broken, Scope, Subject};
 use crate::registry::{Key, Kind, Need, Shape};
 use crate::value::{Node, Span, Table, Value};
-use nappe::expr::nearest;
+use nappe::expr::{Bound, nearest};
 use nappe::surface::Side;
 use nappe::{DVec3, LARGEST_LENGTH};
 use std::f64::consts::{PI, TAU};
@@ -336,6 +336,9 @@ impl Decoder<'_> {
                 .map(Datum::Number),
             (Shape::Count(least), Value::Number(_) | Value::Text { .. }) => {
                 let x = self.scope.number(node, subject, self.diags)?;
+                if self.scope.reads_rates() {
+                    return self.fixed(subject, node, x).map(Datum::Number);
+                }
                 if x.fract() == 0.0 && x >= f64::from(*least) && x <= f64::from(u32::MAX) {
                     return Ok(Datum::Number(x));
                 }
@@ -362,9 +365,17 @@ impl Decoder<'_> {
             }
             (Shape::Formula(variables), Value::Text { text, .. }) => {
                 let e = params::parse(text, 0, node, subject, self.diags)?;
-                self.scope
-                    .bind(&e, 0, variables, node, subject, self.diags)
-                    .map(Datum::Formula)
+                let formula = self
+                    .scope
+                    .bind(&e, 0, variables, node, subject, self.diags)?;
+                if self.scope.reads_rates() {
+                    return self.rate(subject, node, &formula).map(Datum::Formula);
+                }
+                Ok(Datum::Formula(formula))
+            }
+            (Shape::Formula(variables), Value::Number(_)) if self.scope.reads_rates() => {
+                let variable = variables.first().copied().unwrap_or("t");
+                Ok(Datum::Formula(Bound::constant(0.0, variable)))
             }
             (Shape::Formula(variables), Value::Number(x)) => {
                 let x = self.scope.number(
@@ -429,6 +440,38 @@ impl Decoder<'_> {
         }
     }
 
+    /// The rate of a number that may not change.
+    fn fixed(&mut self, subject: Subject<'_>, node: &Node, rate: f64) -> Decoded<f64> {
+        if rate == 0.0 {
+            return Ok(0.0);
+        }
+        self.diags.push(
+            Diagnostic::new("kink", subject.say("a whole number has no derivative"))
+                .at(node.span.clone(), "changes with the parameter")
+                .help("choose a parameter on which it does not depend"),
+        );
+        Err(Broken)
+    }
+
+    /// The derivative of a formula.
+    fn rate(&mut self, subject: Subject<'_>, node: &Node, formula: &Bound) -> Decoded<Bound> {
+        let changing = self.scope.changing();
+        let rates: Vec<(&str, f64)> = changing
+            .iter()
+            .map(|(name, [_, rate])| (*name, *rate))
+            .collect();
+        formula.rate(&rates).map_err(|place| {
+            let message =
+                "where this changes its formula depends on the parameter: no derivative there";
+            self.diags.push(
+                Diagnostic::new("kink", subject.say(message))
+                    .at(node.place(&place), "moves along the variable")
+                    .help("choose a parameter on which the condition does not depend"),
+            );
+            Broken
+        })
+    }
+
     fn choice(
         &mut self,
         subject: Subject<'_>,
@@ -460,7 +503,7 @@ impl Decoder<'_> {
             .iter()
             .enumerate()
             .map(|(i, n)| {
-                let datum = match plain(n, item) {
+                let datum = match plain(n, item, self.scope.reads_rates()) {
                     Some(datum) => datum,
                     None => {
                         let key = format!("{}[{i}]", subject.key);
@@ -643,6 +686,9 @@ impl Decoder<'_> {
                     return Err(Broken);
                 };
                 let x = self.scope.evaluate(number, 0, node, subject, self.diags)? * factor;
+                if self.scope.reads_rates() {
+                    return Ok(x);
+                }
                 if x.abs() <= MOST_TURNS * TAU {
                     return Ok(x);
                 }
@@ -692,8 +738,9 @@ fn split_unit(text: &str) -> Option<(&str, f64)> {
 }
 
 /// A number or a vector of plain numbers, of which nets are full: nothing can be wrong with them that must be named.
-fn plain(node: &Node, shape: &Shape) -> Option<Datum> {
+fn plain(node: &Node, shape: &Shape, rates: bool) -> Option<Datum> {
     let number = |n: &Node| match n.value {
+        Value::Number(_) if rates => Some(0.0),
         Value::Number(x) if x.abs() <= LARGEST_LENGTH => Some(x),
         _ => None,
     };

@@ -50,6 +50,7 @@ mod schema;
 mod surfaces;
 mod traced;
 mod value;
+mod velocity;
 
 pub use checks::{Check, CheckSide, CheckTolerance, Continuity};
 pub use diagnostics::{Diagnostic, Diagnostics, Label, Severity};
@@ -59,6 +60,7 @@ pub use nappe::Units;
 pub use params::Parameter;
 pub use reader::{Overrides, load, parse};
 pub use schema::schema;
+pub use velocity::{Velocities, Velocity, velocities};
 
 /// The largest file in bytes.
 pub const MAX_FILE: usize = 64 << 20;

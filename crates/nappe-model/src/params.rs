@@ -3,8 +3,8 @@
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::value::{Node, Span, Table, Value};
 use crate::{MAX_PARAMETERS, Overrides};
-use nappe::LARGEST_LENGTH;
-use nappe::expr::{CONSTANTS, Expr, FUNCTIONS, nearest};
+use nappe::expr::{CONSTANTS, Expr, FUNCTIONS, Slope, nearest};
+use nappe::{LARGEST_LENGTH, significant};
 use std::collections::HashMap;
 
 /// A parameter with its value.
@@ -28,18 +28,23 @@ pub struct Parameter {
 const VARIABLES: [&str; 3] = ["t", "u", "v"];
 
 /// Values by name, those that are wrong set apart.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Scope {
     values: Vec<(String, f64)>,
     index: HashMap<String, Option<usize>>,
+    /// What each value was computed from.
+    sources: Vec<Node>,
+    /// How fast each value changes, where rates are read and not values.
+    rates: Option<Vec<f64>>,
     /// All names, in the order of the file, also of those that are wrong or not evaluated yet: for near names.
     names: Vec<String>,
 }
 
 impl Scope {
-    fn set(&mut self, name: &str, value: Option<f64>) {
-        let at = value.map(|x| {
+    fn set(&mut self, name: &str, value: Option<(f64, &Node)>) {
+        let at = value.map(|(x, node)| {
             self.values.push((name.to_owned(), x));
+            self.sources.push(node.clone());
             self.values.len() - 1
         });
         self.index.insert(name.to_owned(), at);
@@ -64,6 +69,96 @@ impl Scope {
                 .collect();
         }
         self.values.iter().map(|(n, x)| (n.as_str(), *x)).collect()
+    }
+}
+
+impl Scope {
+    /// The scope in which every number is read as its derivative with respect to a parameter. `None` if there is no such
+    /// parameter.
+    pub(crate) fn by(&self, parameter: &str, diags: &mut Diagnostics) -> Option<Self> {
+        let by = self.index.get(parameter).copied().flatten()?;
+        let mut scope = self.clone();
+        // Each after those it uses.
+        for i in 0..scope.values.len() {
+            let mut rates = scope.rates.take().unwrap_or_default();
+            rates.resize(self.values.len(), 0.0);
+            rates[by] = 1.0;
+            scope.rates = Some(rates);
+            if i == by {
+                continue;
+            }
+            let object = format!("parameter `{}`", self.values[i].0);
+            let subject = Subject {
+                object: &object,
+                key: "",
+            };
+            let rate = scope.number(&self.sources[i], subject, diags);
+            if let (Some(rates), Ok(rate)) = (&mut scope.rates, rate) {
+                rates[i] = rate;
+            }
+        }
+        Some(scope)
+    }
+
+    /// True if numbers are read as derivatives.
+    pub(crate) fn reads_rates(&self) -> bool {
+        self.rates.is_some()
+    }
+
+    /// The parameters that change: name, value, rate.
+    pub(crate) fn changing(&self) -> Vec<(&str, [f64; 2])> {
+        let rates = self.rates.as_deref().unwrap_or_default();
+        let all = self.values.iter().zip(rates);
+        all.filter(|(_, rate)| **rate != 0.0)
+            .map(|((name, x), rate)| (name.as_str(), [*x, *rate]))
+            .collect()
+    }
+
+    /// The derivative of an expression over the parameters.
+    fn rate(
+        &self,
+        text: &str,
+        from: usize,
+        node: &Node,
+        subject: Subject<'_>,
+        diags: &mut Diagnostics,
+    ) -> Result<f64, Broken> {
+        let e = parse(text, from, node, subject, diags)?;
+        let changing = self.changing();
+        let names: Vec<&str> = changing.iter().map(|c| c.0).collect();
+        let bound = self.bind(&e, from, &names, node, subject, diags)?;
+        let at: Vec<[f64; 2]> = changing.iter().map(|c| c.1).collect();
+        match bound.slope(&at) {
+            Ok(Slope::One(rate)) if rate.is_finite() => Ok(rate),
+            Ok(Slope::Kink(range)) => {
+                let rates = if range.is_finite() {
+                    let [a, b] = [range.lo, range.hi].map(|x| significant(x, 6));
+                    format!("its derivative is {a} on one side and {b} on the other")
+                } else {
+                    "it jumps".to_owned()
+                };
+                diags.push(
+                    Diagnostic::new(
+                        "kink",
+                        subject.say(format!("here \"{text}\" changes its formula: {rates}")),
+                    )
+                    .at(node.span.clone(), "no derivative")
+                    .help("give the parameter a value a little off this one"),
+                );
+                Err(Broken)
+            }
+            Ok(Slope::One(_)) | Err(_) => {
+                diags.push(
+                    Diagnostic::new(
+                        "kink",
+                        subject.say(format!("\"{text}\" has no finite derivative here")),
+                    )
+                    .at(node.span.clone(), "no derivative")
+                    .help("give the parameter a value a little off this one"),
+                );
+                Err(Broken)
+            }
+        }
     }
 }
 
@@ -160,6 +255,12 @@ impl Scope {
         subject: Subject<'_>,
         diags: &mut Diagnostics,
     ) -> Result<f64, Broken> {
+        if self.reads_rates() {
+            return match &node.value {
+                Value::Text { text, .. } => self.rate(text, 0, node, subject, diags),
+                _ => Ok(0.0),
+            };
+        }
         let value = match &node.value {
             Value::Number(x) if x.is_finite() => Ok(*x),
             Value::Number(x) => {
@@ -205,6 +306,9 @@ impl Scope {
         subject: Subject<'_>,
         diags: &mut Diagnostics,
     ) -> Result<f64, Broken> {
+        if self.reads_rates() {
+            return self.rate(text, from, node, subject, diags);
+        }
         let e = parse(text, from, node, subject, diags)?;
         let bound = self.bind(&e, from, &[], node, subject, diags)?;
         bound.value(&[]).map_err(|e| {
@@ -485,8 +589,9 @@ fn visit(
                         object: &object,
                         key: "",
                     };
-                    let value = e.value.node().map(|n| scope.number(n, subject, diags));
-                    scope.set(e.name, value.and_then(Result::ok));
+                    let node = e.value.node();
+                    let value = node.and_then(|n| Some((scope.number(n, subject, diags).ok()?, n)));
+                    scope.set(e.name, value);
                 }
             }
         }

@@ -6,13 +6,15 @@ use crate::data::{Datum, Object};
 use crate::decode::Decoder;
 use crate::diagnostics::{Diagnostic, Diagnostics};
 use crate::model::{Model, NamedCurve, NamedSurface};
-use crate::params::{self, Subject};
+use crate::params::{self, Scope, Subject};
 use crate::registry::{CURVES, Kind, SURFACES, TOP};
 use crate::value::{self, Node, Table, Value};
+use crate::velocity::Rates;
 use crate::{MAX_FILE, MAX_OBJECTS};
 use nappe::Units;
 use nappe::expr::nearest;
 use std::path::Path;
+use std::sync::Arc;
 use toml::de::DeTable;
 
 /// Values for parameters, given beside the file: `--set name=value`.
@@ -222,6 +224,46 @@ fn read(
         checks,
         warnings: Diagnostics::new(name, ""),
     })
+}
+
+/// Reads a text that has been read without error, and gives its builder and the rates of all numbers by a parameter.
+pub(crate) fn with_rates(
+    overrides: &Overrides,
+    parameter: &str,
+    diags: &mut Diagnostics,
+    work: impl FnOnce(&mut Builder<'_>, Rates),
+) {
+    let text = diags.text.clone();
+    let (tree, _) = DeTable::parse_recoverable(&text);
+    let mut top = value::table(&text, tree.into_inner());
+    let (scope, _) = params::resolve(top.get("params"), overrides, diags);
+    let read =
+        |scope: &Scope, diags: &mut Diagnostics, top: &mut dyn FnMut(&str) -> Option<Node>| {
+            let mut decoder = Decoder { scope, diags };
+            let curves = objects(top("curves"), "curve", CURVES, &mut decoder);
+            let surfaces = objects(top("surfaces"), "surface", SURFACES, &mut decoder);
+            (curves, surfaces)
+        };
+    let Some(rates) = scope.by(parameter, diags) else {
+        return;
+    };
+    let (curves, surfaces) = read(&rates, diags, &mut |key| top.get(key).cloned());
+    let named = |list: Vec<(String, Option<Object>)>| {
+        let list = list.into_iter();
+        list.filter_map(|(name, o)| Some((name, Arc::new(o?))))
+            .collect()
+    };
+    let rates = Rates {
+        curves: named(curves),
+        surfaces: named(surfaces),
+    };
+    if diags.has_errors() {
+        return;
+    }
+    let (curves, surfaces) = read(&scope, diags, &mut |key| top.take(key));
+    let mut builder = Builder::new(curves, surfaces, diags);
+    builder.all();
+    work(&mut builder, rates);
 }
 
 /// Checks the version, before anything else.

@@ -1,6 +1,6 @@
 //! Quadrics and tori.
 
-use crate::build::{Builder, Built, Patch, Stop};
+use crate::build::{Builder, Built, Stop};
 use crate::curves::need;
 use crate::data::{Datum, Fields, Item, Object};
 use nappe::exact::NurbsSurface;
@@ -8,10 +8,9 @@ use nappe::surface::{
     Quadric, QuadricError, QuadricOptions, QuadricShape, Torus, TorusError, TorusOptions,
 };
 use nappe::{DVec3, Frame};
-use std::sync::Arc;
 
 impl Builder<'_> {
-    pub(crate) fn quadric(&mut self, o: &Object) -> Built<Vec<Patch>> {
+    pub(crate) fn quadric(&mut self, o: &Object) -> Built<Quadric> {
         let f = &o.fields;
         let word = need(f.text("shape"))?;
         let shape = need(QuadricShape::ALL.into_iter().find(|s| s.name() == word))?;
@@ -20,7 +19,7 @@ impl Builder<'_> {
         let center = f.vector("center").unwrap_or(DVec3::ZERO);
         let frame = self.frame(o, center)?;
         let axes = need(f.numbers("semi_axes"))?;
-        let quadric = Quadric::new(shape, &axes, QuadricOptions { frame, range }).map_err(|e| {
+        Quadric::new(shape, &axes, QuadricOptions { frame, range }).map_err(|e| {
             if let QuadricError::Range { parameter, .. } | QuadricError::Outside { parameter, .. } =
                 &e
             {
@@ -57,16 +56,10 @@ impl Builder<'_> {
                 QuadricError::Overflow { .. } => ("range", vec![], "choose a smaller part".into()),
             };
             self.refuse(o, (key, &path), &e, help)
-        })?;
-        let net = rows(quadric.nurbs());
-        Ok(vec![Patch {
-            suffix: None,
-            surface: Arc::new(quadric),
-            net: Some(net),
-        }])
+        })
     }
 
-    pub(crate) fn torus(&mut self, o: &Object) -> Built<Vec<Patch>> {
+    pub(crate) fn torus(&mut self, o: &Object) -> Built<Torus> {
         let f = &o.fields;
         let range = self.range(o, [true, true])?;
         let direction = f.vector("axis").unwrap_or(DVec3::Z);
@@ -80,7 +73,7 @@ impl Builder<'_> {
             *to = given.unwrap_or(*to);
         }
         let [major, minor] = [need(f.number("major"))?, need(f.number("minor"))?];
-        let torus = Torus::new(major, minor, options).map_err(|e| match &e {
+        Torus::new(major, minor, options).map_err(|e| match &e {
             TorusError::Radius { name, .. } => {
                 self.refuse(o, (name, &[]), &e, "write a number greater than 0")
             }
@@ -103,13 +96,7 @@ impl Builder<'_> {
                     "raise `major` to at least `minor`, or give such a range = { v = [from, to] }";
                 self.refuse(o, ("major", &[]), &e, help)
             }
-        })?;
-        let net = rows(torus.nurbs());
-        Ok(vec![Patch {
-            suffix: None,
-            surface: Arc::new(torus),
-            net: Some(net),
-        }])
+        })
     }
 
     /// The frame of a quadric: the directions x and z, or those of space.

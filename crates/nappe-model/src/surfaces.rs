@@ -3,6 +3,7 @@
 use crate::build::{Builder, Built, Patch, Stop};
 use crate::curves::{clamped_uniform, knot_place, need, nurbs_place};
 use crate::data::Object;
+use crate::round::rows;
 use nappe::DVec3;
 use nappe::basis::KnotError;
 use nappe::exact::{NurbsError, NurbsSurface, bad_weights};
@@ -46,14 +47,22 @@ impl Builder<'_> {
             }
             "bezier" | "nurbs" => self.net(o),
             "biquadratic" => self.biquadratic(o),
-            "revolution" => self.revolution(o),
+            "revolution" => Ok(Patch::one(Arc::new(self.revolution(o)?))),
             "rational" => self.rational(o),
             "fillet" => self.fillet(o),
             "blend" => self.blend_between(o),
             "coons" => self.coons(o),
             "diagonal-key" => self.diagonal_key(o),
-            "quadric" => self.quadric(o),
-            "torus" => self.torus(o),
+            "quadric" => {
+                let quadric = self.quadric(o)?;
+                let net = rows(quadric.nurbs());
+                Ok(netted(quadric, Some(net)))
+            }
+            "torus" => {
+                let torus = self.torus(o)?;
+                let net = rows(torus.nurbs());
+                Ok(netted(torus, Some(net)))
+            }
             "transform" => self.transform(o),
             "join" => self.join(o),
             other => Err(self.refuse(
@@ -235,7 +244,8 @@ impl Builder<'_> {
         Ok(netted(surface, Some(rows)))
     }
 
-    fn revolution(&mut self, o: &Object) -> Built<Vec<Patch>> {
+    /// A surface of revolution.
+    pub(crate) fn revolution(&mut self, o: &Object) -> Built<Revolution> {
         let f = &o.fields;
         let axis = self.axis(&o.label, f, "axis")?;
         let profile = self.curve_key(o, "profile")?;
@@ -262,9 +272,7 @@ impl Builder<'_> {
             angle: f.number("angle").unwrap_or(whole),
             construction,
         };
-        let surface =
-            Revolution::new(profile, axis, options).map_err(|e| self.revolution_error(o, &e))?;
-        Ok(Patch::one(Arc::new(surface)))
+        Revolution::new(profile, axis, options).map_err(|e| self.revolution_error(o, &e))
     }
 
     pub(crate) fn revolution_error(&mut self, o: &Object, e: &RevolutionError) -> Stop {

@@ -46,6 +46,18 @@ pub struct Frame {
     z: DVec3,
 }
 
+/// The coordinate axis that a direction leans on least, the first of those.
+pub(crate) fn aside(direction: DVec3) -> DVec3 {
+    let a = direction.abs();
+    if a.x <= a.y && a.x <= a.z {
+        DVec3::X
+    } else if a.y <= a.z {
+        DVec3::Y
+    } else {
+        DVec3::Z
+    }
+}
+
 impl Frame {
     /// The frame of space.
     pub const WORLD: Frame = Frame {
@@ -58,16 +70,7 @@ impl Frame {
     /// The frame with its z along a direction of any length. Its x is square to that and as near as possible to the
     /// coordinate axis that the direction leans on least (the first of those; so z gives x, y, z themselves).
     pub fn along(origin: DVec3, z: DVec3) -> Result<Self, FrameError> {
-        let unit = unit("direction", z)?;
-        let a = unit.abs();
-        let aside = if a.x <= a.y && a.x <= a.z {
-            DVec3::X
-        } else if a.y <= a.z {
-            DVec3::Y
-        } else {
-            DVec3::Z
-        };
-        Self::new(origin, z, aside)
+        Self::new(origin, z, aside(unit("direction", z)?))
     }
 
     /// The frame with its z along a direction and its x in the half-plane of z and a second direction.

@@ -55,6 +55,7 @@
 //! * [`body`]: faces that share edges, as other systems exchange them.
 //! * [`mesh`](mod@mesh): certified triangles. [`measure`]: area, volume, curvature, continuity, each with its error.
 //! * [`query`]: nearest points, with proofs.
+//! * [`velocity`]: how curves and surfaces move with a number that they are made of.
 //! * [`expr`]: formulas as text. [`laws`]: what every curve and surface must obey, as a test of one line.
 //!
 //! # Conventions
@@ -76,6 +77,7 @@ pub mod query;
 pub mod scalar;
 pub mod series;
 pub mod surface;
+pub mod velocity;
 
 mod ball;
 mod box3;

@@ -54,12 +54,46 @@ pub fn interpolate(
     points: &[DVec3],
     options: InterpolateOptions,
 ) -> Result<NurbsCurve, CurveError> {
+    let points = given_once(points, options.closed);
+    interpolate_at(points, options, |points| {
+        options.spacing.parameters(points, options.closed)
+    })
+}
+
+/// The same with the parameters that other points have: linear in the points and tangents, so it gives the velocity of an
+/// interpolation whose parameters stay.
+pub fn interpolate_like(
+    like: &[DVec3],
+    points: &[DVec3],
+    options: InterpolateOptions,
+) -> Result<NurbsCurve, CurveError> {
+    let like = given_once(like, options.closed);
+    let at = options.spacing.parameters(like, options.closed)?;
+    let points = points.get(..like.len()).unwrap_or(points);
+    interpolate_at(points, options, |_| Ok(at.clone()))
+}
+
+/// The points of a closed list without the first at its end.
+fn given_once(points: &[DVec3], closed: bool) -> &[DVec3] {
+    match points {
+        [first, rest @ .., last] if closed && first == last && !rest.is_empty() => {
+            &points[..points.len() - 1]
+        }
+        _ => points,
+    }
+}
+
+fn interpolate_at(
+    points: &[DVec3],
+    options: InterpolateOptions,
+    parameters: impl Fn(&[DVec3]) -> Result<Vec<f64>, CurveError>,
+) -> Result<NurbsCurve, CurveError> {
     let InterpolateOptions {
         degree,
         closed,
-        spacing,
         start_tangent,
         end_tangent,
+        ..
     } = options;
     let (least, most) = (2, 5);
     if !(least..=most).contains(&degree) {
@@ -69,18 +103,12 @@ pub fn interpolate(
             most,
         });
     }
-    let points = match points {
-        [first, rest @ .., last] if closed && first == last && !rest.is_empty() => {
-            &points[..points.len() - 1]
-        }
-        _ => points,
-    };
     let needed = if closed { 3 } else { 2 };
     if points.len() < needed {
         let given = points.len();
         return Err(CurveError::TooFewPoints { given, needed });
     }
-    let at = spacing.parameters(points, closed)?;
+    let at = parameters(points)?;
     // Coordinates from the middle of the points: nothing is lost far from the origin of space.
     let middle: DVec3 = points.iter().map(|p| *p / points.len() as f64).sum();
     let local: Vec<DVec3> = points.iter().map(|p| *p - middle).collect();

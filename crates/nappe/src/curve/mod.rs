@@ -29,7 +29,7 @@ pub use ellipse::{Ellipse, EllipseOptions, conic};
 pub use error::CurveError;
 pub use expression::{ExpressionCurve, ExpressionCurveError};
 pub use hermite::Hermite;
-pub use interpolate::{InterpolateOptions, interpolate};
+pub use interpolate::{InterpolateOptions, interpolate, interpolate_like};
 pub use isocurve::{CrossDerivative, Isocurve};
 pub use joined::{JoinOptions, Joined, Share};
 pub use line::Line;

@@ -64,6 +64,36 @@ impl Spacing {
     }
 }
 
+impl Spacing {
+    /// The rates of the parameters when points move.
+    pub fn rates(self, points: &[DVec3], velocities: &[DVec3], closed: bool) -> Vec<f64> {
+        let n = points.len();
+        let steps = if closed { n } else { n.saturating_sub(1) };
+        let mut sums = vec![[0.0; 2]];
+        let mut sum = [0.0; 2];
+        for i in 0..steps {
+            let j = (i + 1) % n;
+            let (way, rate) = (points[j] - points[i], velocities[j] - velocities[i]);
+            let length = way.length();
+            let speed = if length > 0.0 {
+                way.dot(rate) / length
+            } else {
+                0.0
+            };
+            let [step, rate] = match self {
+                Spacing::Uniform => [1.0, 0.0],
+                Spacing::Chord => [length, speed],
+                Spacing::Centripetal => [length.sqrt(), 0.5 * speed / length.sqrt()],
+            };
+            sum = [sum[0] + step, sum[1] + rate];
+            sums.push(sum);
+        }
+        let [whole, grows] = sum;
+        let rate = |[at, rate]: [f64; 2]| (rate - at / whole * grows) / whole;
+        sums.into_iter().map(rate).collect()
+    }
+}
+
 /// The polyline through points on `[0, 1]`, with a corner (a break of smoothness 0) at every inner point; a B-spline
 /// of degree 1. Errors: as [`Spacing::parameters`]. With [`Spacing::Uniform`] repeated points are allowed.
 pub fn polyline(points: &[DVec3], spacing: Spacing) -> Result<NurbsCurve, CurveError> {

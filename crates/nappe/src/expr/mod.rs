@@ -23,12 +23,14 @@ mod number;
 mod parse;
 mod pieces;
 mod print;
+mod rate;
 mod suggest;
 
 pub use check::Finding;
 pub use error::{EvalError, Fault, FaultKind, ParseError, ParseErrorKind, UnknownName};
 pub use function::{Function, FunctionError};
 pub use number::Number;
+pub use rate::Slope;
 pub use suggest::nearest;
 
 use std::ops::Range;

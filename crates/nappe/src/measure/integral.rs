@@ -69,11 +69,11 @@ impl std::iter::Sum for Measured {
 }
 
 /// The degree d. Higher degrees need fewer boxes but each costs more.
-const DEGREE: usize = 8;
+pub(super) const DEGREE: usize = 8;
 /// Radians. Over a box where tangents or normal turn more, no root or quotient can be expanded.
 const TURN: f64 = 1.0;
 /// The order of jets that a degree-d Taylor polynomial of a function of tangents needs.
-const ORDER: usize = DEGREE + 1;
+pub(super) const ORDER: usize = DEGREE + 1;
 
 /// An integrand over a box.
 pub(super) enum Expansion {

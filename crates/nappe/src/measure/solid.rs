@@ -50,7 +50,7 @@ pub fn solids(
 }
 
 /// The second moments are those of these products of coordinates.
-const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [1, 2], [2, 0], [0, 1]];
+pub(super) const PAIRS: [[usize; 2]; 6] = [[0, 0], [1, 1], [2, 2], [1, 2], [2, 0], [0, 1]];
 /// The degrees of the moments: of the volume, of three first and of six second moments.
 const DEGREES: [usize; 10] = [0, 1, 1, 1, 2, 2, 2, 2, 2, 2];
 

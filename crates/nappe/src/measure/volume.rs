@@ -207,10 +207,6 @@ fn shell(
         moments.turn();
         body.iter_mut().for_each(|f| f.1 = !f.1);
     }
-    let is_own = |k: usize| body.iter().any(|f| f.0 == k);
-    let joints: Vec<&Joint> = joined.joints.iter().filter(|j| is_own(j.first.0)).collect();
-    let sides = |&(k, _): &(usize, bool)| joined.collapsed[k].iter().map(move |&s| (k, s));
-    let points: Vec<(usize, Side)> = body.iter().flat_map(sides).collect();
     // The distance within which sides were joined: of small surfaces much less than that for the model.
     let joined_within = body
         .iter()
@@ -220,7 +216,7 @@ fn shell(
         .fold(0.0, f64::max);
     let reach = 0.5 * hull.diagonal() * ROUND_UP + near;
     let enough = options.relative * moments.volume().mid().abs() * STRIP_SHARE / reach;
-    let holes = holes(surfaces, &joints, &points, weld, enough);
+    let holes = body_holes(surfaces, joined, &body, weld, enough);
     moments.open(holes.area, near, reach, holes.proven);
     let shell = Shell {
         surfaces: body,
@@ -239,6 +235,37 @@ pub(crate) fn inside_out<'a>(own: impl Iterator<Item = (&'a SurfaceRef, bool)> +
         ..IntegralOptions::default()
     };
     moments(&own, hull, &options, 0).is_negative()
+}
+
+/// The holes between the surfaces of a body.
+fn body_holes(
+    surfaces: &[SurfaceRef],
+    joined: &Joints,
+    body: &[(usize, bool)],
+    weld: f64,
+    enough: f64,
+) -> Holes {
+    let is_own = |k: usize| body.iter().any(|f| f.0 == k);
+    let joints: Vec<&Joint> = joined.joints.iter().filter(|j| is_own(j.first.0)).collect();
+    let sides = |&(k, _): &(usize, bool)| joined.collapsed[k].iter().map(move |&s| (k, s));
+    let points: Vec<(usize, Side)> = body.iter().flat_map(sides).collect();
+    holes(surfaces, &joints, &points, weld, enough)
+}
+
+/// The area that closes the gaps of a shell, and whether it is proven.
+pub(super) fn openings(
+    surfaces: &[SurfaceRef],
+    shell: &Shell,
+    weld: Option<f64>,
+    options: &IntegralOptions,
+) -> (f64, bool) {
+    let hull = hull(shell.surfaces.iter().map(|f| &surfaces[f.0]));
+    let weld = weld.unwrap_or_else(|| WELD * hull.diagonal());
+    let reach = 0.5 * hull.diagonal() * ROUND_UP;
+    let enough = options.relative * shell.volume.value.abs() * STRIP_SHARE / reach;
+    let joined = joints(surfaces, weld);
+    let holes = body_holes(surfaces, &joined, &shell.surfaces, weld, enough);
+    (holes.area, holes.proven)
 }
 
 /// The share of the error that the strips between sides may have before they are bounded more closely. Larger, and they
