@@ -60,7 +60,7 @@ impl Default for IntersectOptions {
     fn default() -> Self {
         Self {
             tol: None,
-            budget: 100_000,
+            budget: 200_000,
         }
     }
 }

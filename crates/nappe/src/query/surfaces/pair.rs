@@ -243,15 +243,20 @@ impl Pair {
         }
         let y = inverse(slopes.map(|row| row.map(Interval::mid)))?;
         let mut middle = centre.map(Interval::point);
-        middle[k] = x[k];
+        let still = Interval::point(x[k].mid());
+        middle[k] = still;
         let f = self.over(&middle).value.to_array();
+        // Along parameter k by the mean value theorem: the three equations move together.
+        middle[k] = x[k];
+        let along = self.over(&middle).columns[k].to_array();
         let mut error = [[0.0; 3]; 3];
         let mut image = *x;
         for i in 0..3 {
             let row = |c: &dyn Fn(usize) -> Interval| {
                 (0..3).fold(Interval::ZERO, |s, l| s + Interval::point(y[i][l]) * c(l))
             };
-            let mut sum = middle[at[i]] - row(&|l| f[l]);
+            let way = row(&|l| along[l]) * (x[k] - still);
+            let mut sum = middle[at[i]] - row(&|l| f[l]) - way;
             for j in 0..3 {
                 let unit = if i == j {
                     Interval::ONE

@@ -17,8 +17,8 @@ use std::array::from_fn;
 
 /// The arc is proven this far beyond both ends, relative to the step.
 const BEYOND: f64 = 0.125;
-/// The room around the arc, relative to the step.
-const ROOM: f64 = 0.3;
+/// The room around the arc, relative to the step: tried one after the other.
+const ROOMS: [f64; 2] = [2.0, 0.3];
 /// A box that is not wider than this many times the rounding errors is as good as it gets.
 const ROUNDING: f64 = 16.0;
 /// A place as near as this to a side, relative to the rectangle, is on it.
@@ -122,24 +122,28 @@ impl Stepper<'_> {
         let mut guess: Place = from_fn(|j| 2.0 * centre[j] - from.x[j]);
         guess[k] = from.x[k] + way;
         let ahead = pair.knot(guess, k)?;
-        let bounds: Box4 = from_fn(|j| {
-            if j == k {
-                return Interval::new(from.x[k], ahead.x[k]).inflate(BEYOND * way.abs());
+        let around = |room: f64| -> Box4 {
+            from_fn(|j| {
+                if j == k {
+                    return Interval::new(from.x[k], ahead.x[k]).inflate(BEYOND * way.abs());
+                }
+                let reach = [from.x[j], ahead.x[j]].map(|x| (x - centre[j]).abs());
+                let room = room * way.abs() * from.scale[k] / from.scale[j];
+                Interval::point(centre[j]).inflate(1.25 * reach[0].max(reach[1]) + room)
+            })
+        };
+        // The more room, the sooner what is beside the arc is known to be nothing.
+        let (bounds, arc) = ROOMS.into_iter().find_map(|room| {
+            let bounds = around(room);
+            if !bounds.iter().all(|b| b.is_finite()) {
+                return None;
             }
-            let reach = (from.x[j] - centre[j])
-                .abs()
-                .max((ahead.x[j] - centre[j]).abs());
-            let room = ROOM * way.abs() * from.scale[k] / from.scale[j];
-            Interval::point(centre[j]).inflate(1.25 * reach + room)
-        });
-        if !bounds.iter().all(|b| b.is_finite()) {
-            return None;
-        }
-        let arc = pair.contraction(&centre, &bounds, k)?;
-        if !(arc.proves(&bounds) && encloses(&bounds, &from.zero) && encloses(&bounds, &ahead.zero))
-        {
-            return None;
-        }
+            let arc = pair.contraction(&centre, &bounds, k)?;
+            let known = arc.proves(&bounds)
+                && encloses(&bounds, &from.zero)
+                && encloses(&bounds, &ahead.zero);
+            known.then_some((bounds, arc))
+        })?;
         let tube = Tube {
             bounds,
             k,
