@@ -219,7 +219,7 @@ fn a_plane_cuts_a_ring_in_loops_and_touching_it_twice_in_circles_that_cross() {
 /// z over the unit square by a net of heights.
 fn heights(net: &[[f64; 4]; 4], flipped: bool) -> SurfaceRef {
     let at = |i: usize| i as f64 / 3.0;
-    let points = (0..16)
+    let points: Vec<DVec3> = (0..16)
         .map(|k| {
             let (i, j) = if flipped {
                 (3 - k % 4, k / 4)
@@ -230,7 +230,7 @@ fn heights(net: &[[f64; 4]; 4], flipped: bool) -> SurfaceRef {
         })
         .collect();
     let knots = vec![0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
-    let s = NurbsSurface::new([3, 3], [knots.clone(), knots], points, None);
+    let s = NurbsSurface::new([3, 3], [knots.clone(), knots], &points, None);
     Arc::new(s.unwrap())
 }
 

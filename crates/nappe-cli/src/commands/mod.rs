@@ -7,6 +7,7 @@ mod eval;
 mod examples;
 mod figures;
 mod info;
+mod intersect;
 mod project;
 mod render;
 mod report;
@@ -23,6 +24,7 @@ pub(crate) enum Command {
     Build(build::Args),
     Eval(eval::Args),
     Info(info::Args),
+    Intersect(intersect::Args),
     Check(check::Args),
     Project(project::Args),
     Render(render::Args),
@@ -38,6 +40,7 @@ impl Command {
             Command::Build(args) => args.run(screen),
             Command::Eval(args) => args.run(screen),
             Command::Info(args) => args.run(screen),
+            Command::Intersect(args) => args.run(screen),
             Command::Check(args) => args.run(screen),
             Command::Project(args) => args.run(screen),
             Command::Render(args) => args.run(screen),
