@@ -14,7 +14,7 @@ const LONGEST: f64 = 0.5;
 /// No shorter steps are tried, relative to the size: such curves are about to meet.
 const SHORTEST: f64 = 1.0 / (1u64 << 18) as f64;
 /// Steps below this are made whatever their error.
-const FINE: f64 = 1.0 / (1u64 << 12) as f64;
+const FINE: f64 = 1.0 / (1u64 << 16) as f64;
 /// How much longer the next step is.
 const LONGER: f64 = 1.7;
 
@@ -79,6 +79,12 @@ impl Strand {
             error: steps.iter().map(|s| s.error).fold(0.0, f64::max),
             covers,
         }
+    }
+
+    /// True if one of its ends is where no step could be proven.
+    pub(super) fn is_stuck(&self) -> bool {
+        let stuck = |end: &End| matches!(end, End::Stuck(_));
+        self.ends.is_some_and(|ends| ends.iter().any(stuck))
     }
 
     /// Its length in space, about.

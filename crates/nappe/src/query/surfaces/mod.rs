@@ -39,6 +39,10 @@ use step::{Part4, Stepper};
 const DEFAULT_TOL: f64 = 1e-6;
 /// Curves beyond a side by less than this part of the tolerance count as on it.
 const ON_SIDE: f64 = 0.25;
+/// Boxes nearer than this, relative to the domains, are one place that is not decided.
+const ONE_PLACE: f64 = 1e-3;
+/// Curves shorter than this, relative to the size, that end where no step could be proven are parts of such a place.
+const SCRAP: f64 = 2e-3;
 /// The share of what is left of the budget that one pair of parts may take.
 const SHARE: usize = 3;
 /// At least so many boxes are looked at for each pair of parts between creases.
@@ -118,7 +122,8 @@ impl SurfaceCurve {
     }
 }
 
-/// A place where it is not decided how two surfaces meet: boxes of parameters that touch each other.
+/// A place where it is not decided how two surfaces meet: boxes of parameters near each other. One on a seam is told on both
+/// sides of it.
 ///
 /// There the surfaces may touch, or branches cross; or come nearer to that than can be told; or they may have no common point.
 /// Outside of these boxes everything is proven.
@@ -232,16 +237,27 @@ pub fn intersect_surfaces(
             x: pair.inside(&o.x),
             ..o
         }));
-        strands.extend(found.strands.into_iter().map(|s| (number, s)));
+        // Beside a singular point there are scraps of curves: they are parts of that place.
+        let size = pair.size;
+        let (scraps, kept): (Vec<_>, Vec<_>) = found
+            .strands
+            .into_iter()
+            .partition(|s| s.is_stuck() && s.length(&stepper) <= SCRAP * size);
+        open.extend(scraps.iter().flat_map(|s| &s.covers).map(|x| Open {
+            x: pair.inside(x),
+            coincides: false,
+        }));
+        strands.extend(kept.into_iter().map(|s| (number, s)));
     }
-    out.undecided = contacts([a, b], &open);
+    let widths = domain.map(Interval::width);
+    out.undecided = contacts([a, b], &open, widths);
     let mut pieces = Vec::with_capacity(strands.len());
     for (number, strand) in strands {
         let ends = strand.ends.map(|ends| {
             ends.map(|end| match end {
                 End::Side(_) => BranchEnd::Border,
                 End::Stuck(knot) => {
-                    let near = |c: &Contact| c.boxes.iter().any(|b| is_near(b, &knot.zero));
+                    let near = |c: &Contact| c.boxes.iter().any(|b| is_near(b, &knot.zero, widths));
                     let k = out.undecided.iter().position(near).unwrap_or_else(|| {
                         let x = pairs[number].inside(&knot.zero);
                         out.undecided.push(contact([a, b], vec![x], false));
@@ -332,23 +348,35 @@ fn pairs(surfaces: [&SurfaceRef; 2], tol: f64, smaller: f64) -> Vec<Pair> {
     pairs
 }
 
-/// True if a box, with some room around it, has a point of another one.
-fn is_near(b: &Box4, x: &Box4) -> bool {
+/// True if a box comes near to another one.
+fn is_near(b: &Box4, x: &Box4, widths: Place) -> bool {
     (0..4).all(|j| {
-        let room = 8.0 * b[j].width();
+        let room = ONE_PLACE * widths[j];
         b[j].inflate(room).intersection(x[j]).is_some()
     })
 }
 
-/// Open boxes that touch each other, together.
-fn contacts(surfaces: [&SurfaceRef; 2], open: &[Open]) -> Vec<Contact> {
+/// Open boxes that are near each other, together.
+fn contacts(surfaces: [&SurfaceRef; 2], open: &[Open], widths: Place) -> Vec<Contact> {
     let boxes: Vec<Box4> = open.iter().map(|o| o.x).collect();
+    let scaled: Vec<Box4> = boxes
+        .iter()
+        .map(|x| {
+            from_fn(|j| Interval {
+                lo: x[j].lo / widths[j],
+                hi: x[j].hi / widths[j],
+            })
+        })
+        .collect();
     let group = |group: Vec<usize>| {
         let overlaps = group.iter().any(|&k| open[k].coincides);
         let boxes = group.iter().map(|&k| boxes[k]).collect();
         contact(surfaces, boxes, overlaps)
     };
-    clusters(&boxes, 0.0).into_iter().map(group).collect()
+    clusters(&scaled, ONE_PLACE)
+        .into_iter()
+        .map(group)
+        .collect()
 }
 
 /// A contact of at least one box.

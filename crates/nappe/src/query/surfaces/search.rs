@@ -26,9 +26,15 @@ const SMALLEST: f64 = 1.0 / (1u64 << 18) as f64;
 /// A curve is looked for after every so many halvings.
 const TRIED_AFTER: u32 = 3;
 /// When it is looked at whether the surfaces coincide.
-const COINCIDE_TRIED: std::ops::Range<u32> = 6..24;
+const COINCIDE_TRIED: std::ops::Range<u32> = 4..24;
+/// So many more boxes are looked at after the surfaces were found to coincide somewhere: the border of such a region cannot be
+/// told.
+const AFTER_COINCIDING: usize = 2000;
 /// The accuracy to which points of coinciding surfaces agree, relative to the greatest coordinate.
 const SAME: f64 = 1e-12;
+/// A step is worth so many boxes; and so many steps there are at least.
+const STEP: usize = 8;
+const STEPS: usize = 500;
 /// Tangent planes at a smaller angle may be those of coinciding surfaces.
 const PARALLEL: f64 = 1e-4;
 /// Rows and columns of the places where that is looked at.
@@ -77,7 +83,7 @@ struct Pending {
 }
 
 /// Looks over a pair of rectangles.
-pub(super) fn search(stepper: &Stepper, budget: usize) -> Found {
+pub(super) fn search(stepper: &Stepper, mut budget: usize) -> Found {
     let pair = stepper.pair;
     let mut parts = [0, 1].map(|n| {
         let rect = [pair.rect[2 * n], pair.rect[2 * n + 1]];
@@ -85,7 +91,7 @@ pub(super) fn search(stepper: &Stepper, budget: usize) -> Found {
     });
     let mut found = Found::default();
     let mut covers: Vec<Box4> = Vec::new();
-    let mut steps = budget;
+    let mut steps = budget / STEP + STEPS;
     let mut heap = BinaryHeap::new();
     let mut number = 0;
     let mut push = |heap: &mut BinaryHeap<_>, parts: &[Parts; 2], nodes: [usize; 2], halved| {
@@ -124,6 +130,9 @@ pub(super) fn search(stepper: &Stepper, budget: usize) -> Found {
         if COINCIDE_TRIED.contains(&top.halved)
             && (coincide(a, pair, 1, b) || coincide(b, pair, 0, a))
         {
+            if !found.open.iter().any(|o| o.coincides) {
+                budget = budget.min(found.looked + AFTER_COINCIDING);
+            }
             found.open.push(Open { x, coincides: true });
             continue;
         }
