@@ -8,6 +8,7 @@ mod eval;
 mod examples;
 mod figures;
 mod info;
+mod intersect;
 mod project;
 mod render;
 mod report;
@@ -24,6 +25,7 @@ pub(crate) enum Command {
     Build(build::Args),
     Eval(eval::Args),
     Info(info::Args),
+    Intersect(intersect::Args),
     Check(check::Args),
     Project(project::Args),
     Render(render::Args),
@@ -40,6 +42,7 @@ impl Command {
             Command::Build(args) => args.run(screen),
             Command::Eval(args) => args.run(screen),
             Command::Info(args) => args.run(screen),
+            Command::Intersect(args) => args.run(screen),
             Command::Check(args) => args.run(screen),
             Command::Project(args) => args.run(screen),
             Command::Render(args) => args.run(screen),
