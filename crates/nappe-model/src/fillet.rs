@@ -78,6 +78,11 @@ impl Builder<'_> {
                 "write near = [x, y, z], a point near the fillet that is meant",
             ),
             FilletError::CutsIn { .. } => ("radius", vec![], "lower the radius"),
+            FilletError::CutsThrough { index, .. } => (
+                "between",
+                vec![*index],
+                "take only the part of the surface beside the fillet, or lower the radius",
+            ),
             FilletError::Lost { .. } | FilletError::Unproven { .. } | FilletError::Guide(_) => (
                 "between",
                 vec![],
