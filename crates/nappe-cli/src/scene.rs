@@ -253,7 +253,7 @@ fn apart(
     };
     let more = match gaps.count() {
         1 => String::new(),
-        n => format!(", and less along {} more shared sides", n - 1),
+        n => format!(", and less along {} more", n - 1),
     };
     Some(format!(
         "note: the NURBS forms of {a} and {b} are at most {} {} apart ({proven}){more}: at least one is approximated, and could \
