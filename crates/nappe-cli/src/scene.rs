@@ -4,8 +4,11 @@ use crate::failure::Failure;
 use crate::fault;
 use crate::screen::Screen;
 use crate::slits::JOINED;
+use crate::text::bound;
 use nappe::body::sew;
-use nappe::exact::{ApproximationError, to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
+use nappe::exact::{
+    ApproximationError, SharedSide, to_nurbs_or_approximate_curve, to_nurbs_together,
+};
 use nappe::measure::{Curvature, curvature, unbounded_curvature};
 use nappe::mesh::{Certainty, Mesh, MeshError, MeshOptions, MeshPatch, flatten, mesh};
 use nappe::surface::{Normal, SurfaceRef, normal_at};
@@ -226,8 +229,12 @@ pub(crate) fn visible(
     Ok((scene, left_out))
 }
 
-/// The NURBS forms of everything that the model puts out: exact where there is one, else within the tolerance.
-pub(crate) fn exact(model: &Model, tolerance: f64) -> Result<Vec<Exact>, Failure> {
+/// The NURBS forms of everything that the model puts out: exact where there is one, else within the tolerance, with common
+/// curves where surfaces share sides; and a note where that was not possible.
+pub(crate) fn exact(
+    model: &Model,
+    tolerance: f64,
+) -> Result<(Vec<Exact>, Option<String>), Failure> {
     let refused = |what: &str, name: &str, place: &Range<usize>, e: ApproximationError| {
         let message = format!("{what} `{name}` has no NURBS form: {e}");
         let help = "leave it out of a .json file with construction_only = true";
@@ -245,9 +252,11 @@ pub(crate) fn exact(model: &Model, tolerance: f64) -> Result<Vec<Exact>, Failure
             same_parameters: form.same_parameters,
         });
     }
-    for s in model.output() {
-        let form = to_nurbs_or_approximate(s.surface.as_ref(), tolerance)
-            .map_err(|e| refused("surface", &s.name, &s.place, e))?;
+    let named: Vec<&NamedSurface> = model.output().collect();
+    let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
+    let (forms, shared) = to_nurbs_together(&surfaces, tolerance, JOINED * tolerance)
+        .map_err(|(i, e)| refused("surface", &named[i].name, &named[i].place, e))?;
+    for (s, form) in named.iter().zip(forms) {
         all.push(Exact {
             name: s.name.clone(),
             kind: s.kind.to_owned(),
@@ -256,7 +265,41 @@ pub(crate) fn exact(model: &Model, tolerance: f64) -> Result<Vec<Exact>, Failure
             same_parameters: form.same_parameters,
         });
     }
-    Ok(all)
+    Ok((all, apart(model, &named, &shared, tolerance)))
+}
+
+/// Gaps below this part of the tolerance are rounding.
+const NO_GAP: f64 = 1e-6;
+
+/// Where the forms of surfaces that share sides are apart, in words.
+fn apart(
+    model: &Model,
+    named: &[&NamedSurface],
+    shared: &[SharedSide],
+    tolerance: f64,
+) -> Option<String> {
+    let gaps = shared.iter().filter(|s| s.gap.error() > NO_GAP * tolerance);
+    let greatest = gaps
+        .clone()
+        .max_by(|a, b| a.gap.error().total_cmp(&b.gap.error()))?;
+    let [a, b] = greatest
+        .sides
+        .map(|(i, side)| format!("{}.{side}", named[i].name));
+    let proven = match greatest.gap {
+        Certainty::Estimated(_) => "estimated",
+        _ => "proven",
+    };
+    let more = match gaps.count() {
+        1 => String::new(),
+        n => format!(", and less along {} more", n - 1),
+    };
+    Some(format!(
+        "note: the NURBS forms of {a} and {b} are at most {} {} apart ({proven}){more}: at least one is approximated, and could \
+         not take the curve of the other within the tolerance\n  help: let both sides run at the same parameters, or set a \
+         smaller tolerance",
+        bound(greatest.gap.error(), 2),
+        model.units.symbol()
+    ))
 }
 
 /// Which curvature of a surface.

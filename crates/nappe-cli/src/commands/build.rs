@@ -14,7 +14,8 @@ use std::time::Instant;
 /// Build a model and write it: meshes within a proven tolerance, exact surfaces, pictures
 ///
 /// The ending of each file says its format: .glb .gltf .stl .obj .ply .3mf .vtu (meshes), .json (exact NURBS curves and
-/// surfaces), .step .stp .igs .iges (exact surfaces, sewn along the sides they share), .svg .png (pictures). Files are replaced only when the new ones are whole.
+/// surfaces; one curve where surfaces share a side, else a note tells the gap), .step .stp .igs .iges (exact surfaces, sewn along
+/// the sides they share), .svg .png (pictures). Files are replaced only when the new ones are whole.
 ///
 /// Ends with a table: patches, triangles, box, the proven distance between mesh and surfaces, the files, the time; and
 /// with a note for sides that nearly meet, or meet in part, and are not joined.
@@ -58,8 +59,11 @@ impl Args {
             };
             scene::scene(&model, detail, self.tolerance, screen)?
         };
+        let mut apart_forms = None;
         if files.iter().any(|f| f.1 == Format::Json) {
-            scene.exact = scene::exact(&model, tolerance)?;
+            let (exact, apart) = scene::exact(&model, tolerance)?;
+            scene.exact = exact;
+            apart_forms = apart;
         }
         if files.iter().any(|f| f.1.is_exact()) {
             scene.document = scene::document(&model, tolerance);
@@ -87,6 +91,9 @@ impl Args {
             for note in slits::notes(&model, tolerance) {
                 screen.note(note);
             }
+        }
+        if let Some(note) = apart_forms {
+            screen.note(note);
         }
         for report in &reports {
             for note in &report.notes {

@@ -317,6 +317,90 @@ fn sides_that_meet_in_part_are_noted_with_the_place_to_split() {
     assert_eq!(b["to"], serde_json::json!([1.0, 1.0, 0.0]));
 }
 
+/// Three strips along each other, bent; the last runs along its sides with other parameters.
+const STRIPS: &str = r#"
+tolerance = 0.001
+[curves.a]
+kind = "expression"
+x = "t"
+y = "0"
+z = "sin(3*t)"
+construction_only = true
+[curves.b]
+kind = "expression"
+x = "t"
+y = "1"
+z = "sin(3*t)"
+construction_only = true
+[curves.c]
+kind = "expression"
+x = "t"
+y = "2"
+z = "cos(5*t)"
+construction_only = true
+[surfaces.one]
+kind = "ruled"
+south = "a"
+north = "b"
+[surfaces.two]
+kind = "ruled"
+south = "b"
+north = "c"
+"#;
+
+#[test]
+fn exact_files_have_common_curves_where_surfaces_share_sides() {
+    let folder = Folder::with_model(STRIPS);
+    let run = folder.nappe("build model.nappe.toml -o a.json");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(!run.stderr.contains("apart"), "{}", run.stderr);
+    let json: serde_json::Value = serde_json::from_slice(&folder.read("a.json")).unwrap();
+    let of = |k: usize| &json["surfaces"][k];
+    for k in 0..2 {
+        assert!(of(k)["exactness"]["by"].as_f64().unwrap() <= 0.001);
+    }
+    // The second has all knots of the first along the side, and the same points at its ends.
+    let knots = |k: usize| -> Vec<f64> {
+        let all = of(k)["knots_u"].as_array().unwrap().iter();
+        all.map(|x| x.as_f64().unwrap()).collect()
+    };
+    assert!(knots(0).iter().all(|t| knots(1).contains(t)));
+    let ends = |k: usize, first: bool| -> Vec<f64> {
+        let rows = of(k)["points"].as_array().unwrap();
+        let row = if first {
+            &rows[0]
+        } else {
+            &rows[rows.len() - 1]
+        };
+        let columns = row.as_array().unwrap();
+        let point = if k == 0 {
+            &columns[columns.len() - 1]
+        } else {
+            &columns[0]
+        };
+        let point = point.as_array().unwrap().iter();
+        point.map(|x| x.as_f64().unwrap()).collect()
+    };
+    for first in [true, false] {
+        let (p, q) = (ends(0, first), ends(1, first));
+        assert!(
+            p.iter().zip(&q).all(|(x, y)| (x - y).abs() < 1e-14),
+            "{p:?} {q:?}"
+        );
+    }
+    // With other parameters no common curve can be taken over, and that is told.
+    let uneven = STRIPS.replace(
+        "[surfaces.two]",
+        "[curves.d]\nkind = \"expression\"\nx = \"(t+t^2)/2\"\ny = \"1\"\nz = \"sin(1.5*(t+t^2))\"\nconstruction_only = true\n[surfaces.two]",
+    );
+    let folder = Folder::with_model(&uneven.replace("south = \"b\"", "south = \"d\""));
+    let run = folder.nappe("build model.nappe.toml -o a.json");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let text = "note: the NURBS forms of one.north and two.south are at most";
+    assert!(run.stderr.contains(text), "{}", run.stderr);
+    assert!(run.stderr.contains("mm apart (proven)"), "{}", run.stderr);
+}
+
 #[test]
 fn every_refusal_to_write_has_its_remedy() {
     let folder = Folder::with_model(MODEL);

@@ -39,6 +39,7 @@ pub use area::area;
 pub use bodies::{Body, bodies};
 pub use centroid::{AreaCentroid, Centroid, area_centroid, joint_centroid};
 pub use concave::{RollingBall, rolling_balls};
+pub(crate) use continuity::greatest_gap;
 pub use continuity::{Continuity, SideOf, Smoothness, continuity, continuity_in_part};
 pub use crease::{Crease, creases};
 pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes};
