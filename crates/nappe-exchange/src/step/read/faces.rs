@@ -59,7 +59,7 @@ impl<'s, 'a> Builder<'s, 'a> {
                 "ORIENTED_CLOSED_SHELL" | "ORIENTED_OPEN_SHELL" => {
                     same ^= !record.args().flag(3)?;
                     let inner = record.args().reference(2)?;
-                    if inner == id || self.space.file.kind(inner) == record.kind() {
+                    if self.space.file.kind(inner).starts_with("ORIENTED_") {
                         return Err(record.refused("it is the orientation of another orientation"));
                     }
                     id = inner;
