@@ -161,7 +161,7 @@ fn trimmed(space: &Space<'_>, record: &Record<'_>, depth: usize) -> Got<CurveRef
 /// The last angle of an arc that runs from the first the right way round, a whole turn if they are equal.
 fn turned([from, to]: [f64; 2], forward: bool) -> f64 {
     let turn = if forward { to - from } else { from - to }.rem_euclid(TAU);
-    let turn = if turn < WHOLE || turn > TAU - WHOLE {
+    let turn = if !(WHOLE..=TAU - WHOLE).contains(&turn) {
         TAU
     } else {
         turn
@@ -286,7 +286,7 @@ impl Course {
     }
 
     /// The part from one point to another, along the curve or against it; all of it where they are one and it is closed.
-    pub(super) fn from_to(
+    pub(super) fn reach(
         &self,
         ends: [DVec3; 2],
         same: bool,

@@ -267,7 +267,7 @@ impl<'s, 'a> Builder<'s, 'a> {
         let tol = self.space.uncertainty;
         let same = args.flag(4)? == along;
         let curve = course
-            .from_to(ends, same, closed, tol)
+            .reach(ends, same, closed, tol)
             .map_err(|e| record.refused(e))?;
         let own = curve.ends();
         let apart = (0..2).map(|i| own[i].distance(ends[i])).fold(0.0, f64::max);
