@@ -1,5 +1,7 @@
 //! STEP files in and out.
 
+#![allow(clippy::unwrap_used)]
+
 mod faults;
 mod files;
 mod mutated;

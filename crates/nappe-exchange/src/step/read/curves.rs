@@ -30,6 +30,9 @@ pub(super) enum Course {
 
 /// Curves made of curves are followed so far.
 const DEPTH: usize = 16;
+/// What the depth grows by inside a composite curve. None is read inside another: that could ask for any number of
+/// segments.
+const INSIDE: usize = 1000;
 /// Angles nearer than this to a whole turn, or to none, are that: points have at most so many digits of it.
 const WHOLE: f64 = 1e-9;
 /// A hyperbola is read as far as its arc's middle weight stays below cosh of this.
@@ -37,7 +40,7 @@ const HYPERBOLIC: f64 = 20.0;
 
 /// The curve with this number.
 pub(super) fn course(space: &Space<'_>, id: u64, depth: usize) -> Got<Course> {
-    if depth > DEPTH {
+    if depth % INSIDE > DEPTH {
         return Err(space
             .file
             .refused(id, "curves are made of curves without end"));
@@ -158,7 +161,7 @@ fn trimmed(space: &Space<'_>, record: &Record<'_>, depth: usize) -> Got<CurveRef
 /// The last angle of an arc that runs from the first the right way round, a whole turn if they are equal.
 fn turned([from, to]: [f64; 2], forward: bool) -> f64 {
     let turn = if forward { to - from } else { from - to }.rem_euclid(TAU);
-    let turn = if turn < WHOLE || turn > TAU - WHOLE {
+    let turn = if !(WHOLE..=TAU - WHOLE).contains(&turn) {
         TAU
     } else {
         turn
@@ -168,11 +171,14 @@ fn turned([from, to]: [f64; 2], forward: bool) -> f64 {
 
 fn composite(space: &Space<'_>, record: &Record<'_>, depth: usize) -> Got<CurveRef> {
     let args = record.needed("COMPOSITE_CURVE")?;
+    if depth >= INSIDE {
+        return Err(record.refused("a composite curve inside another is not read"));
+    }
     let mut parts: Vec<CurveRef> = Vec::new();
     for id in args.references(1)? {
         let segment = space.file.record(id)?;
         let args = segment.needed("COMPOSITE_CURVE_SEGMENT")?;
-        let part = course(space, args.reference(2)?, depth + 1)?
+        let part = course(space, args.reference(2)?, depth + INSIDE)?
             .whole()
             .map_err(|e| segment.refused(e))?;
         parts.push(if args.flag(1)? { part } else { backwards(part) });
@@ -280,7 +286,7 @@ impl Course {
     }
 
     /// The part from one point to another, along the curve or against it; all of it where they are one and it is closed.
-    pub(super) fn from_to(
+    pub(super) fn reach(
         &self,
         ends: [DVec3; 2],
         same: bool,

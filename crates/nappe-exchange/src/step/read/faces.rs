@@ -59,7 +59,7 @@ impl<'s, 'a> Builder<'s, 'a> {
                 "ORIENTED_CLOSED_SHELL" | "ORIENTED_OPEN_SHELL" => {
                     same ^= !record.args().flag(3)?;
                     let inner = record.args().reference(2)?;
-                    if inner == id || self.space.file.kind(inner) == record.kind() {
+                    if self.space.file.kind(inner).starts_with("ORIENTED_") {
                         return Err(record.refused("it is the orientation of another orientation"));
                     }
                     id = inner;
@@ -267,7 +267,7 @@ impl<'s, 'a> Builder<'s, 'a> {
         let tol = self.space.uncertainty;
         let same = args.flag(4)? == along;
         let curve = course
-            .from_to(ends, same, closed, tol)
+            .reach(ends, same, closed, tol)
             .map_err(|e| record.refused(e))?;
         let own = curve.ends();
         let apart = (0..2).map(|i| own[i].distance(ends[i])).fold(0.0, f64::max);

@@ -41,6 +41,8 @@ pub struct StepFile {
 
 /// Items inside items are followed so far.
 const DEPTH: usize = 32;
+/// More items than this, placed ones counted as often as they are placed, are not read.
+const MOST: usize = 10_000_000;
 
 /// Reads a file from its bytes.
 ///
@@ -68,6 +70,7 @@ pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
             ..Document::default()
         },
         read: HashSet::new(),
+        items: 0,
     };
     for p in &placed {
         reader.representation(p, None, 0);
@@ -115,6 +118,8 @@ struct Reader<'a> {
     document: Document,
     /// Items that were read.
     read: HashSet<u64>,
+    /// How many items were looked at.
+    items: usize,
 }
 
 impl<'a> Reader<'a> {
@@ -131,6 +136,9 @@ impl<'a> Reader<'a> {
         };
         let colour = self.colours.get(&placed.id).copied().or(colour);
         for id in items {
+            if self.items > MOST {
+                return;
+            }
             if placed.orphan && !self.read.insert(id) {
                 continue;
             }
@@ -149,7 +157,8 @@ impl<'a> Reader<'a> {
         inherited: Option<Colour>,
         depth: usize,
     ) -> Got<()> {
-        if depth > DEPTH {
+        self.items += 1;
+        if depth > DEPTH || self.items > MOST {
             return Err(self.file.refused(id, "items are made of items without end"));
         }
         let colour = self.colours.get(&id).copied().or(inherited);
