@@ -8,6 +8,7 @@ mod examples;
 mod figures;
 mod info;
 mod project;
+mod rates;
 mod render;
 mod report;
 mod schema;
