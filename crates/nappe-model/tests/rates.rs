@@ -1,5 +1,7 @@
 //! Derivatives of figures by a parameter against closed forms.
 
+#![allow(clippy::unwrap_used)]
+
 use nappe::DVec3;
 use nappe::measure::{
     AreaRate, IntegralOptions, Measured, Moving, SolidRate, area_centroid, area_rate, face_rate,

@@ -1,5 +1,7 @@
 //! Velocities of a model's objects: against differences of models that are built anew, and what is refused.
 
+#![allow(clippy::unwrap_used)]
+
 use nappe::laws::Random;
 use nappe::{Breaks, DVec3};
 use nappe_model::{Model, Overrides, Velocities, Velocity, load, parse, velocities};
