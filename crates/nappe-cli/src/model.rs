@@ -32,12 +32,18 @@ impl ModelArgs {
         &self.model
     }
 
-    /// Reads and builds the model, and shows what should be known about it.
-    pub(crate) fn open(&self, screen: &Screen) -> Result<Model, Failure> {
+    /// The values set on the command line.
+    pub(crate) fn overrides(&self) -> Result<Overrides, Failure> {
         let mut overrides = Overrides::default();
         for text in &self.set {
             overrides.set_from(text).map_err(Failure::usage)?;
         }
+        Ok(overrides)
+    }
+
+    /// Reads and builds the model, and shows what should be known about it.
+    pub(crate) fn open(&self, screen: &Screen) -> Result<Model, Failure> {
+        let overrides = self.overrides()?;
         let model =
             nappe_model::load(&self.model, &overrides).map_err(|d| Failure::Model(Box::new(d)))?;
         if !model.warnings.list.is_empty() {

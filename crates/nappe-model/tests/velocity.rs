@@ -1,9 +1,11 @@
 //! Velocities of a model's objects: against differences of models that are built anew, and what is refused.
 
+#![allow(clippy::unwrap_used)]
+
 use nappe::laws::Random;
 use nappe::{Breaks, DVec3};
 use nappe_model::{Model, Overrides, Velocities, Velocity, load, parse, velocities};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Relative step of the differences, and the share of the objects' size by which they may differ from the velocity times
 /// the parameter's size: with Richardson's rule the error of differences is h⁴ and 1e-16/h.
@@ -121,26 +123,37 @@ fn compare(build: Build, what: &str, parameter: &str) -> Option<[usize; 3]> {
 #[test]
 fn velocities_of_all_examples_agree_with_differences() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    let mut moving = 0;
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|e| e != "toml") {
-            continue;
-        }
-        let build = |o: &Overrides| load(&path, o).ok();
-        let model = build(&Overrides::default()).unwrap();
-        let name = path.file_name().unwrap().to_string_lossy();
-        for p in &model.params {
-            // A parameter that is an expression may not be free: contours open when it changes alone.
-            let Some(counts) = compare(&build, &name, &p.name) else {
-                assert!(p.expression.is_some(), "{name}, {}", p.name);
-                continue;
-            };
-            println!("{name}, {}: {counts:?}", p.name);
-            moving += counts[0];
-        }
-    }
+    let paths = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path());
+    let paths: Vec<PathBuf> = paths
+        .filter(|p| p.extension().is_some_and(|e| e == "toml"))
+        .collect();
+    let moving: usize = std::thread::scope(|scope| {
+        let threads: Vec<_> = paths
+            .iter()
+            .map(|path| scope.spawn(move || example(path)))
+            .collect();
+        threads.into_iter().map(|t| t.join().unwrap()).sum()
+    });
     assert!(moving > 100, "{moving}");
+}
+
+/// Compares the velocities of an example for each of its parameters; gives how many objects move.
+fn example(path: &Path) -> usize {
+    let build = |o: &Overrides| load(path, o).ok();
+    let model = build(&Overrides::default()).unwrap();
+    let name = path.file_name().unwrap().to_string_lossy();
+    let mut moving = 0;
+    for p in &model.params {
+        // A parameter that is an expression may not be free: contours open when it changes alone.
+        let Some(counts) = compare(&build, &name, &p.name) else {
+            assert!(p.expression.is_some(), "{name}, {}", p.name);
+            continue;
+        };
+        moving += counts[0];
+    }
+    moving
 }
 
 /// A model with one parameter p of a value.
@@ -372,7 +385,7 @@ fn what_is_not_known_is_refused_by_name() {
         ),
         (
             "[curves.c]\nkind = \"arc\"\nthrough = [[0, 0, 0], [\"p\", 1, 0], [3, 0, 0]]",
-            "curve `c`: how a arc changes with its data is not known",
+            "curve `c`: how the kind \"arc\" changes with its data is not known",
         ),
         (
             "[curves.c]\nkind = \"expression\"\nx = \"t\"\ny = \"0\"\nz = \"0\"\ndomain = [0, \"p\"]",

@@ -1,6 +1,7 @@
 //! `nappe info`.
 
 use super::figures;
+use super::rates::Rates;
 use super::report::{ReportFormat, certainty_json, measured_json};
 use crate::failure::{Failure, Problem};
 use crate::model::ModelArgs;
@@ -18,7 +19,7 @@ use nappe::measure::{
 use nappe::mesh::{Certainty, Joints, joints};
 use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_exchange::Format;
-use nappe_model::{Model, NamedSurface};
+use nappe_model::{Model, NamedSurface, Velocities};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -32,6 +33,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// The room for a tool is the radius of the largest ball that touches a surface from the side of its normal, or from
 /// behind, without being stopped by its curvature or a crease in it; where it meets others is not looked at. Inertia is that of a solid of density 1 about its centroid.
 ///
+/// Derivatives by a parameter are exact formulas and not differences; curvature and room for a tool have none. Where
+/// the surfaces touch a face of the box in several places its derivatives to either side are in a range. A surface
+/// whose motion is not known is named, and what depends on it is not told.
+///
 /// Sides are one, and surfaces closed, if the mesh would join them: within a twentieth of its tolerance. Surfaces that
 /// close up make a shell; its volume is what it encloses unless surfaces pass through themselves or each other, which
 /// `nappe check` tells. The volumes of several shells are added only if their boxes prove them to lie beside each other.
@@ -40,6 +45,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 Examples:
   nappe info vase.nappe.toml
   nappe info vase.nappe.toml --bending
+  nappe info torus.nappe.toml --sensitivity major --sensitivity minor
   nappe info vase.nappe.toml --set height=300 --format json")]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -50,13 +56,18 @@ pub(crate) struct Args {
     #[arg(long)]
     bending: bool,
 
+    /// Also how box, area, volume, centroids and moments change with a parameter: their derivatives; may be given
+    /// several times
+    #[arg(long, value_name = "PARAMETER")]
+    sensitivity: Vec<String>,
+
     /// A report for people, or JSON for programs
     #[arg(long, default_value = "text")]
     format: ReportFormat,
 }
 
 /// A report is read by people who wait for it: a few digits, each proven, rather than all.
-const INTEGRALS: IntegralOptions = IntegralOptions {
+pub(super) const INTEGRALS: IntegralOptions = IntegralOptions {
     relative: 1e-6,
     budget: 2000,
 };
@@ -76,12 +87,41 @@ impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
         refuse_other_formats(&self.model)?;
         let model = self.model.open(screen)?;
+        let velocities = self.velocities(&model)?;
         let facts = Facts::of(&model, self.bending, screen);
+        let rates: Vec<Rates> = velocities
+            .iter()
+            .map(|v| Rates::of(&model, v, &facts))
+            .collect();
         let text = match self.format {
-            ReportFormat::Text => facts.text(&model),
-            ReportFormat::Json => format!("{:#}\n", facts.json(&model)),
+            ReportFormat::Text => {
+                let mut text = facts.text(&model);
+                for r in &rates {
+                    text.push_str(&format!("\n{}", r.text(&model)));
+                }
+                text
+            }
+            ReportFormat::Json => {
+                let mut all = facts.json(&model);
+                if !rates.is_empty() {
+                    all["sensitivities"] = rates.iter().map(|r| r.json(&model)).collect();
+                }
+                format!("{all:#}\n")
+            }
         };
         Ok(io::stdout().lock().write_all(text.as_bytes())?)
+    }
+}
+
+impl Args {
+    /// How the objects move with each parameter that is asked for.
+    fn velocities(&self, model: &Model) -> Result<Vec<Velocities>, Failure> {
+        let overrides = self.model.overrides()?;
+        let each = self.sensitivity.iter();
+        each.map(|p| {
+            nappe_model::velocities(model, &overrides, p).map_err(|d| Failure::Model(Box::new(d)))
+        })
+        .collect()
     }
 }
 
@@ -101,12 +141,14 @@ fn refuse_other_formats(model: &ModelArgs) -> Result<(), Problem> {
 }
 
 /// What is said of a whole model.
-struct Facts {
+pub(super) struct Facts {
     surfaces: Vec<SurfaceFacts>,
     /// `None` if a surface is torn.
-    area: Option<AreaCentroid>,
+    pub(super) area: Option<AreaCentroid>,
     /// What the closed shells enclose.
-    shells: Vec<Solid>,
+    pub(super) shells: Vec<Solid>,
+    /// The distance within which sides were joined.
+    pub(super) joined: f64,
     /// Why the other surfaces enclose nothing.
     not_closed: Vec<String>,
     /// True if the boxes of all shells are proven to be apart.
@@ -164,10 +206,16 @@ impl Facts {
                 .then(|| joint_centroid(&facts.iter().map(|f| f.area).collect::<Vec<_>>())),
             apart: are_apart(&closed, &facts),
             shells: closed,
+            joined,
             not_closed,
             extent: whole(&facts),
             surfaces: facts,
         }
+    }
+
+    /// The area of each surface.
+    pub(super) fn areas(&self) -> impl Iterator<Item = &AreaCentroid> {
+        self.surfaces.iter().map(|f| &f.area)
     }
 
     /// What all shells enclose, if that is known.
@@ -555,7 +603,7 @@ fn open(e: &VolumeError, named: &[&NamedSurface], unit: &str) -> String {
 }
 
 /// The names of a shell's surfaces; of many, the first and their number.
-fn members(shell: &Shell, named: &[&NamedSurface]) -> String {
+pub(super) fn members(shell: &Shell, named: &[&NamedSurface]) -> String {
     const MOST: usize = 4;
     let names = shell.surfaces.iter().take(MOST);
     let names: Vec<&str> = names.map(|f| named[f.0].name.as_str()).collect();

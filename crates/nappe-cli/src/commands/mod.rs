@@ -10,6 +10,7 @@ mod figures;
 mod info;
 mod intersect;
 mod project;
+mod rates;
 mod render;
 mod report;
 mod schema;

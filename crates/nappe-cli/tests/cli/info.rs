@@ -247,3 +247,59 @@ fn info_and_check_agree_on_what_is_closed() {
         }
     }
 }
+
+#[test]
+fn derivatives_by_a_parameter() {
+    // With uniform parameters the corners of the profile stay where they are along it.
+    let text = MODEL.replace(
+        "[0, 0, 0]] }",
+        "[0, 0, 0]], parametrization = \"uniform\" }",
+    );
+    let folder = Folder::with_model(&text);
+    let info = json(&folder, "--sensitivity r --sensitivity h");
+    let [by_r, by_h] = [0, 1].map(|k| &info["sensitivities"][k]);
+    let r = 2.0;
+    assert_eq!(by_r["parameter"], "r");
+    assert_eq!(by_r["value"], r);
+    // h = r + 1 follows r; by itself it is taken as a number.
+    assert_measured(&by_r["area"], 8.0 * PI * r + 2.0 * PI);
+    assert_measured(&by_h["area"], 2.0 * PI * r);
+    assert_measured(&by_r["shells"][0]["volume"], PI * (3.0 * r * r + 2.0 * r));
+    assert_measured(&by_h["shells"][0]["volume"], PI * r * r);
+    assert_measured(&by_h["shells"][0]["centroid"][2], 0.5);
+    for (end, truth) in [("min", [-1.0, -1.0, 0.0]), ("max", [1.0, 1.0, 1.0])] {
+        for (axis, truth) in truth.into_iter().enumerate() {
+            let face = &by_r["box"][end][axis];
+            let [lo, hi] = [0, 1].map(|k| face["range"][k].as_f64().unwrap());
+            assert!(
+                lo <= truth && truth <= hi && hi - lo < 1e-3,
+                "{end} {axis}: {face}"
+            );
+            assert_eq!(face["one_sided"], false);
+        }
+    }
+    let report = folder.nappe("info model.nappe.toml --sensitivity h");
+    let report = report.data();
+    assert!(report.contains("derivatives by"), "{report}");
+}
+
+#[test]
+fn what_has_no_derivative_is_told_by_name() {
+    let folder = Folder::with_model(MODEL);
+    let info = json(&folder, "--sensitivity r");
+    let by_r = &info["sensitivities"][0];
+    let surface = &by_r["surfaces"][0];
+    assert_eq!(surface["motion"], "unknown");
+    let why = surface["why"].as_str().unwrap();
+    assert!(why.contains("corners move along its parameter"), "{why}");
+    for key in ["area", "box", "centroid"] {
+        assert_eq!(by_r[key], Value::Null);
+    }
+    assert_eq!(by_r["shells"][0], Value::Null);
+    let run = folder.nappe("info model.nappe.toml --sensitivity radius");
+    let problem = run.problem();
+    assert!(
+        problem.contains("there is no parameter `radius`"),
+        "{problem}"
+    );
+}

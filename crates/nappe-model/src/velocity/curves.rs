@@ -50,8 +50,7 @@ pub(super) fn number(rate: &Fields, key: &str) -> f64 {
 fn respaced(points: &[DVec3], rates: &[DVec3], spacing: Spacing, closed: bool) -> bool {
     let length = |v: &[DVec3]| v.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
     let noise = ROUNDING * (length(rates) / length(points)).max(f64::MIN_POSITIVE);
-    // Written so that NaN counts as a change.
-    let moved = |rate: &f64| !(rate.abs() <= noise);
+    let moved = |rate: &f64| rate.is_nan() || rate.abs() > noise;
     spacing.rates(points, rates, closed).iter().any(moved)
 }
 

@@ -134,7 +134,7 @@ impl Pair<'_> {
     /// The same for a kind as a whole.
     fn unknown_kind(&self) -> String {
         self.unknown(format!(
-            "how a {} changes with its data is not known",
+            "how the kind \"{}\" changes with its data is not known",
             self.at.kind.name
         ))
     }

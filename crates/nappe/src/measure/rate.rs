@@ -455,7 +455,7 @@ pub fn face_rate(parts: &[Moving], axis: usize, greatest: bool) -> Option<FaceRa
                 }
             }
         }
-        cells.retain(|c| !(c.most < best));
+        cells.retain(|c| c.most >= best || c.most.is_nan());
         let now = cells.iter().map(&velocity).reduce(Interval::hull)?;
         range = Some(range.map_or(now, |r| r.meet(now)));
         looks += cells.len();
