@@ -421,6 +421,10 @@ impl<'a> Task<'a> {
             Failure::NotReached(deviation) => FaceError::NotReached { deviation },
         })?;
         self.fans(face, &mut region, &mut triangles);
+        if triangles.bound > allowed {
+            let deviation = triangles.bound;
+            return Err(FaceError::NotReached { deviation });
+        }
         let forward = self.body.faces[face].forward;
         let deviation = self.deviation(face, &region, &triangles, shared);
         let point = |id: u32| {

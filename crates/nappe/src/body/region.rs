@@ -392,8 +392,9 @@ const PARTS: [usize; 2] = [8, 1024];
 /// Parts of a line along x over one period, no part of which bends by more than allowed, nor does what is beside it.
 fn parts(chart: &Chart, plane: Plane, x: f64, y: [f64; 2], period: f64, allowed: f64) -> usize {
     let fits = |n: usize| {
-        (0..8).all(|k| {
-            let x = x + period * k as f64 / 8.0;
+        let all = n.min(RING);
+        (0..all).all(|k| {
+            let x = x + period * k as f64 / all as f64;
             let [a, b] = [[x, y[0]], [x + period / n as f64, y[1]]].map(|p| plane.uv(p));
             let over = [0, 1].map(|d| crate::Interval::new(a[d].min(b[d]), a[d].max(b[d])));
             chart.bend(over).bound <= allowed

@@ -199,18 +199,6 @@ fn a_square_with_a_round_hole() {
 
 #[test]
 fn sewn_surfaces_are_meshed_as_bodies() {
-    let ball = sew(&[sphere(v(1.0, 2.0, 3.0), 2.0)], 1e-6);
-    let m = check(&ball.body, 1e-3, |_, q| q.distance(v(1.0, 2.0, 3.0)) - 2.0);
-    assert_eq!(open_edges(&m), 0);
-    near(volume(&m), 32.0 / 3.0 * PI, 2e-3);
-    let ring = sew(&[torus(DVec3::ZERO, 3.0, 1.0)], 1e-6);
-    let f = frame(DVec3::ZERO);
-    let m = check(&ring.body, 1e-3, |_, q| {
-        let c = f.coordinates(q);
-        (c.x.hypot(c.y) - 3.0).hypot(c.z) - 1.0
-    });
-    assert_eq!(open_edges(&m), 0);
-    near(volume(&m), 6.0 * PI * PI, 3e-3);
     let m = check(&sew(&cuboid(v(1.0, 2.0, 3.0)), 1e-6).body, 1e-3, |_, _| 0.0);
     assert_eq!(open_edges(&m), 0);
     near(volume(&m), 6.0, 1e-12);
