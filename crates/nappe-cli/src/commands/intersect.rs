@@ -156,7 +156,7 @@ fn add(
     let flat = flatten(branch.curve().as_ref(), chord, MOST_POINTS)
         .map_err(|e| Problem::new(e.to_string()).help("say a greater --tolerance"))?;
     let paths = [0, 1].map(|n| branch.in_parameters(n));
-    let error = branch.certainty.error() + flat.certainty.error();
+    let error = branch.certainty.error() + flat.deviation.error();
     for (t, p) in flat.parameters.iter().zip(&flat.points) {
         let [uv, st] = paths
             .each_ref()
