@@ -192,14 +192,17 @@ pub struct SurfaceSurface {
 ///
 /// ```
 /// use nappe::query::{IntersectOptions, intersect_surfaces};
-/// use nappe::surface::{Torus, TorusOptions, Transformed};
+/// use nappe::surface::{Quadric, QuadricOptions, QuadricShape, Transformed};
 /// use nappe::{DAffine3, DVec3, SurfaceRef};
 /// use std::sync::Arc;
 ///
-/// let ring: SurfaceRef = Arc::new(Torus::new(3.0, 1.0, TorusOptions::default()).unwrap());
-/// let moved = Transformed::new(ring.clone(), DAffine3::from_translation(DVec3::new(4.1, 0.2, 0.3))).unwrap();
-/// let found = intersect_surfaces(&ring, &(Arc::new(moved) as SurfaceRef), &IntersectOptions::default()).unwrap();
-/// assert!(found.undecided.is_empty() && found.branches.iter().all(|b| b.is_closed()));
+/// let ball = Quadric::new(QuadricShape::Sphere, &[1.0], QuadricOptions::default()).unwrap();
+/// let ball: SurfaceRef = Arc::new(ball);
+/// let by = DAffine3::from_translation(DVec3::new(1.1, 0.2, 0.3));
+/// let moved: SurfaceRef = Arc::new(Transformed::new(ball.clone(), by).unwrap());
+/// let found = intersect_surfaces(&ball, &moved, &IntersectOptions::default()).unwrap();
+/// assert_eq!((found.branches.len(), found.undecided.len()), (1, 0));
+/// assert!(found.branches[0].is_closed());
 /// ```
 pub fn intersect_surfaces(
     a: &SurfaceRef,
