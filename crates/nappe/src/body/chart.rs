@@ -1,12 +1,10 @@
 //! A surface as the plane of its parameters: where it closes, where it is one point, and which parameters belong to a
 //! point of space.
 
-use crate::box3::Box3;
 use crate::breaks::{Breaks, inwards};
 use crate::interval::Interval;
-use crate::mesh::sampled;
 use crate::mesh::shared::Edge as Line;
-use crate::surface::{Dir, Side, Surface, enclose_direct};
+use crate::surface::{Dir, Side, Surface};
 use glam::DVec3;
 use smallvec::SmallVec;
 use std::sync::OnceLock;
@@ -31,15 +29,6 @@ pub(super) struct Pole {
     pub(super) at: f64,
     pub(super) upper: bool,
     pub(super) point: DVec3,
-}
-
-/// How far a surface may be from its chords over a rectangle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bend {
-    pub(super) bound: f64,
-    pub(super) proven: bool,
-    /// What u and v add to it.
-    pub(super) terms: [f64; 2],
 }
 
 pub(super) struct Chart<'a> {
@@ -226,68 +215,13 @@ impl<'a> Chart<'a> {
         pairs.zip(points).collect()
     }
 
-    /// How far the points of the surface over a rectangle, perhaps beyond the domain by periods, may be from chords and
-    /// triangles between them with the same parameters: the theorem of `mesh/bound.rs`, and where there are creases the size of a box.
-    pub(super) fn bend(&self, uv: [Interval; 2]) -> Bend {
-        let parts = [0, 1].map(|d| self.parts(d, uv[d]));
-        let width = uv.map(Interval::width);
-        let creased = (0..2).any(|d| {
-            let inside = |p: &Interval| self.creases[d].iter().any(|&c| p.lo < c && c < p.hi);
-            let at_seam = parts[d].len() > 1 && self.creases[d].contains(&self.domain[d].lo);
-            at_seam || parts[d].iter().any(inside)
-        });
-        let mut norms = [0.0f64; 3];
-        let mut hull: Option<Box3> = None;
-        let mut proven = true;
-        for u in &parts[0] {
-            for v in &parts[1] {
-                let mut boxes = enclose_direct(self.surface, [*u, *v], 2);
-                if !boxes[3..6].iter().all(|b| b.is_finite()) && !boxes[0].is_finite() {
-                    proven = false;
-                    match sampled(self.surface, [*u, *v]) {
-                        Some(jet) => boxes = jet,
-                        None => {
-                            let bound = f64::INFINITY;
-                            let terms = width;
-                            return Bend {
-                                bound,
-                                proven,
-                                terms,
-                            };
-                        }
-                    }
-                }
-                for k in 0..3 {
-                    norms[k] = crate::interval::greater(norms[k], boxes[3 + k].norm().hi);
-                }
-                hull = Some(hull.map_or(boxes[0], |h| h.hull(boxes[0])));
-            }
-        }
-        let whole = hull.map_or(f64::INFINITY, Box3::diagonal);
-        let [du, dv] = width;
-        let second =
-            0.125 * (norms[0] * du * du + 2.0 * norms[1] * du * dv + norms[2] * dv * dv) * ROUND_UP;
-        // Zero times infinity is nothing that is known.
-        let bound = if creased || second.is_nan() {
-            whole
-        } else {
-            second.min(whole)
-        };
-        let terms = [norms[0] * du * du, norms[2] * dv * dv];
-        Bend {
-            bound,
-            proven,
-            terms,
-        }
-    }
-
     /// Where first derivatives jump, in one parameter.
     pub(super) fn creases(&self, d: usize) -> &[f64] {
         &self.creases[d]
     }
 
     /// The parts of a range in the domain.
-    fn parts(&self, d: usize, range: Interval) -> SmallVec<[Interval; 2]> {
+    pub(super) fn parts(&self, d: usize, range: Interval) -> SmallVec<[Interval; 2]> {
         let domain = self.domain[d];
         let inside = |lo: f64, hi: f64| Interval {
             lo: lo.clamp(domain.lo, domain.hi),
@@ -309,9 +243,6 @@ impl<'a> Chart<'a> {
         parts
     }
 }
-
-/// Covers the roundings of the sums of positive numbers.
-const ROUND_UP: f64 = 1.0 + 1e-12;
 
 /// The step of Newton's method for a symmetric matrix `[a, b, c]`, in the free directions; `None` where it is not positive.
 fn newton([a, b, c]: [f64; 3], g: [f64; 2], free: [bool; 2]) -> Option<[f64; 2]> {

@@ -2,7 +2,6 @@
 
 use super::chart::Chart;
 use super::{Body, Coedge, Face, Loop};
-use crate::interval::Interval;
 use crate::mesh::{Certainty, flatten};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -153,13 +152,11 @@ pub(super) fn trace(chart: &Chart, flat: &Flat) -> Trace {
 
 /// The chords over which a surface bends by more than allowed.
 pub(super) fn coarse(chart: &Chart, trace: &Trace, allowed: f64) -> Vec<usize> {
-    let far = |k: &usize| chord(chart, [trace.uv[*k], trace.uv[*k + 1]]).bound > allowed;
+    let far = |k: &usize| {
+        let ends = [trace.uv[*k], trace.uv[*k + 1]];
+        chart.chord(ends, allowed).bound > allowed
+    };
     (0..trace.uv.len() - 1).filter(far).collect()
-}
-
-/// How far the surface is from the chord between two parameters.
-pub(super) fn chord(chart: &Chart, [a, b]: [[f64; 2]; 2]) -> super::chart::Bend {
-    chart.bend([0, 1].map(|d| Interval::new(a[d].min(b[d]), a[d].max(b[d]))))
 }
 
 /// The loops of a face as it lies in the parameters, without seams: edges that it uses twice, in both directions. Its

@@ -1,13 +1,13 @@
 //! Certified triangles of trimmed faces.
 
 use super::chart::Chart;
-use super::flat::{Flat, Trace, chord, coarse, flat, trace, without_seams};
+use super::flat::{Flat, Trace, coarse, flat, trace, without_seams};
 use super::region::{Region, RegionError, Run, region};
 use super::triangulate::{Failure, Triangles, triangulate};
+use super::whole::whole;
 use super::{Body, BodyError, Coedge};
 use crate::box3::Box3;
 use crate::breaks::inwards;
-use crate::interval::Interval;
 use crate::mesh::{Certainty, Mesh, MeshError, MeshOptions, MeshPatch, MeshVertex};
 use crate::parallel;
 use crate::surface::normal_at;
@@ -105,7 +105,11 @@ const LARGEST_WELD: f64 = 0.25;
 /// # Errors
 /// See [`BodyMeshError`].
 pub fn mesh(body: &Body, options: &MeshOptions) -> Result<Meshed, BodyMeshError> {
-    Ok(Task::new(body, options)?.build())
+    let lengths = Lengths::new(body, options)?;
+    match whole(body, options, lengths) {
+        Some(meshed) => Ok(meshed),
+        None => Ok(Task::new(body, options)?.build()),
+    }
 }
 
 /// A box around the body: points of its edges, and faces without edges.
@@ -127,6 +131,41 @@ pub(super) fn hull(body: &Body) -> Box3 {
         .chain(all)
         .reduce(Box3::hull)
         .unwrap_or(Box3::ZERO)
+}
+
+/// The tolerance, the weld distance in it, and the error of points.
+#[derive(Clone, Copy)]
+pub(super) struct Lengths {
+    pub(super) tol: f64,
+    pub(super) weld: f64,
+    rounding: f64,
+}
+
+impl Lengths {
+    fn new(body: &Body, options: &MeshOptions) -> Result<Self, BodyMeshError> {
+        body.validate(f64::INFINITY)?;
+        let hull = hull(body);
+        let tol = options.tol.unwrap_or(DEFAULT_TOL * hull.diagonal());
+        if !(tol > 0.0 && tol.is_finite()) {
+            return Err(MeshError::Tolerance { tol }.into());
+        }
+        let far = hull.to_array().iter().fold(0.0f64, |a, i| a.max(i.mag()));
+        let rounding = ROUNDING * far;
+        let smallest = SMALLEST * rounding;
+        if tol < smallest {
+            return Err(MeshError::TooFine { tol, smallest }.into());
+        }
+        let weld = options.weld.unwrap_or(DEFAULT_WELD * tol);
+        if !(0.0..=LARGEST_WELD * tol).contains(&weld) {
+            return Err(MeshError::Weld { weld, tol }.into());
+        }
+        let weld = weld.max(2.0 * rounding);
+        Ok(Self {
+            tol,
+            weld,
+            rounding,
+        })
+    }
 }
 
 pub(super) struct Task<'a> {
@@ -155,24 +194,12 @@ struct Patch {
 impl<'a> Task<'a> {
     /// Follows all edges on all their surfaces.
     pub(super) fn new(body: &'a Body, options: &MeshOptions) -> Result<Self, BodyMeshError> {
-        body.validate(f64::INFINITY)?;
+        let Lengths {
+            tol,
+            weld,
+            rounding,
+        } = Lengths::new(body, options)?;
         let threads = options.threads.unwrap_or_else(parallel::all_threads);
-        let hull = hull(body);
-        let tol = options.tol.unwrap_or(DEFAULT_TOL * hull.diagonal());
-        if !(tol > 0.0 && tol.is_finite()) {
-            return Err(MeshError::Tolerance { tol }.into());
-        }
-        let far = hull.to_array().iter().fold(0.0f64, |a, i| a.max(i.mag()));
-        let rounding = ROUNDING * far;
-        let smallest = SMALLEST * rounding;
-        if tol < smallest {
-            return Err(MeshError::TooFine { tol, smallest }.into());
-        }
-        let weld = options.weld.unwrap_or(DEFAULT_WELD * tol);
-        if !(0.0..=LARGEST_WELD * tol).contains(&weld) {
-            return Err(MeshError::Weld { weld, tol }.into());
-        }
-        let weld = weld.max(2.0 * rounding);
         let charts = parallel::each(
             threads,
             body.faces.len(),
@@ -336,7 +363,7 @@ impl<'a> Task<'a> {
     }
 
     /// Puts the triangles around poles to the others.
-    fn fans(&self, face: usize, region: &mut Region, to: &mut Triangles) {
+    fn fans(&self, face: usize, region: &mut Region, to: &mut Triangles, allowed: f64) {
         let chart = &self.charts[face];
         for fan in std::mem::take(&mut region.fans) {
             let pole = self.vertex_at(face, fan.pole.point).unwrap_or_else(|| {
@@ -346,13 +373,16 @@ impl<'a> Task<'a> {
             for w in fan.ring.windows(2) {
                 let top = [0.5 * (w[0].0[0] + w[1].0[0]), fan.y];
                 let [a, b, c] = [w[0].0, w[1].0, top].map(|xy| region.plane.uv(xy));
-                // The whole rectangle up to the pole: its other part is the side of the triangle in space.
-                let bend = chart.bend([0, 1].map(|d| {
-                    let hull = Interval::new(a[d], b[d]);
-                    hull.hull(Interval::point(c[d]))
-                }));
-                to.bound = to.bound.max(bend.bound);
-                to.proven &= bend.proven;
+                // What is over the whole rectangle up to the pole: two triangles, one of which is only a side in space.
+                let [p, q] = [a, b].map(|p| {
+                    let d = fan.pole.d;
+                    if d == 0 { [c[0], p[1]] } else { [p[0], c[1]] }
+                });
+                for t in [[a, b, q], [a, q, p]] {
+                    let bend = chart.triangle(t, allowed);
+                    to.bound = to.bound.max(bend.bound);
+                    to.proven &= bend.proven;
+                }
                 let k = to.vertices.len() as u32;
                 to.vertices.extend([(a, w[0].1), (b, w[1].1), (c, pole)]);
                 to.triangles.push(if fan.upper {
@@ -420,7 +450,7 @@ impl<'a> Task<'a> {
             Failure::TooMany(max) => FaceError::TooMany { max },
             Failure::NotReached(deviation) => FaceError::NotReached { deviation },
         })?;
-        self.fans(face, &mut region, &mut triangles);
+        self.fans(face, &mut region, &mut triangles, allowed);
         if triangles.bound > allowed {
             let deviation = triangles.bound;
             return Err(FaceError::NotReached { deviation });
@@ -490,7 +520,8 @@ impl<'a> Task<'a> {
             for (k, c) in polygon.iter().enumerate() {
                 if let super::region::Step::Edge { edge, .. } = c.step {
                     let next = polygon[(k + 1) % polygon.len()];
-                    let bend = chord(chart, [c.xy, next.xy].map(|p| region.plane.uv(p)));
+                    let ends = [c.xy, next.xy].map(|p| region.plane.uv(p));
+                    let bend = chart.chord(ends, CHORD * self.tol);
                     proven &= bend.proven;
                     let Ok(flat) = &self.flats[edge] else {
                         continue;

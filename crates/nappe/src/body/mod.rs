@@ -10,6 +10,7 @@
 //!      ── vertices: points
 //! ```
 
+mod bend;
 mod chart;
 mod cover;
 mod cut;
@@ -22,6 +23,7 @@ mod sew;
 mod shells;
 mod transform;
 mod triangulate;
+mod whole;
 
 pub use cover::{CoverError, cover};
 pub use error::BodyError;

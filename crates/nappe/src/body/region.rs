@@ -397,7 +397,7 @@ fn parts(chart: &Chart, plane: Plane, x: f64, y: [f64; 2], period: f64, allowed:
             let x = x + period * k as f64 / all as f64;
             let [a, b] = [[x, y[0]], [x + period / n as f64, y[1]]].map(|p| plane.uv(p));
             let over = [0, 1].map(|d| crate::Interval::new(a[d].min(b[d]), a[d].max(b[d])));
-            chart.bend(over).bound <= allowed
+            chart.cell(over, allowed).bound <= allowed
         })
     };
     let mut n = PARTS[0];

@@ -142,7 +142,7 @@ fn seeds(
     }
     let (mut places, mut leaves, mut logs) = (FxHashSet::default(), 0usize, [0.0; 2]);
     while let Some(cell) = waiting.pop() {
-        let bend = chart.bend(cell);
+        let bend = chart.cell(cell, allowed);
         let [a, b] = bend.terms;
         let fine = cell.map(|i| i.width() <= 1e-9 * (1.0 + i.mag()));
         if bend.bound > allowed && !(fine[0] || fine[1]) {
@@ -379,11 +379,7 @@ impl Work<'_> {
                 let corners = t.map(|k| self.nodes[k].0);
                 let bound = *known.entry(key).or_insert_with(|| {
                     let uv = corners.map(|c| self.region.plane.uv(c));
-                    let over = [0, 1].map(|d| {
-                        let c = uv.map(|p| p[d]);
-                        Interval::new(c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2]))
-                    });
-                    let bend = self.chart.bend(over);
+                    let bend = self.chart.triangle(uv, allowed);
                     proven &= bend.proven;
                     bend.bound
                 });

@@ -7,3 +7,4 @@ mod figures;
 mod mesh;
 mod sew;
 mod shapes;
+mod whole;

@@ -85,7 +85,7 @@ pub(crate) fn plane(origin: DVec3, normal: DVec3) -> Elementary {
     Elementary::Plane { origin, normal }
 }
 
-fn area(m: &Meshed) -> f64 {
+pub(crate) fn area(m: &Meshed) -> f64 {
     let mesh = &m.mesh;
     let triangle = |p: [DVec3; 3]| 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).length();
     mesh.patches
@@ -98,7 +98,7 @@ fn area(m: &Meshed) -> f64 {
         .sum()
 }
 
-fn volume(m: &Meshed) -> f64 {
+pub(crate) fn volume(m: &Meshed) -> f64 {
     let mesh = &m.mesh;
     let o = mesh.points[0];
     mesh.patches
@@ -113,7 +113,7 @@ fn volume(m: &Meshed) -> f64 {
 }
 
 /// Edges of triangles that are not used twice in opposite directions.
-fn open_edges(m: &Meshed) -> usize {
+pub(crate) fn open_edges(m: &Meshed) -> usize {
     let mut uses: HashMap<(u32, u32), [usize; 2]> = HashMap::new();
     for patch in &m.mesh.patches {
         for t in &patch.triangles {
@@ -130,7 +130,7 @@ fn open_edges(m: &Meshed) -> usize {
 
 /// Meshes with a tolerance; all is proven, triangles are on the side of their normals, and points of triangles are
 /// within the deviation of what they should be on by `distance`.
-fn check(body: &Body, tol: f64, distance: impl Fn(usize, DVec3) -> f64) -> Meshed {
+pub(crate) fn check(body: &Body, tol: f64, distance: impl Fn(usize, DVec3) -> f64) -> Meshed {
     let m = mesh(body, &MeshOptions::with_tol(tol)).unwrap();
     assert_eq!(m.failed, []);
     for (i, patch) in m.mesh.patches.iter().enumerate() {
@@ -161,7 +161,7 @@ fn check(body: &Body, tol: f64, distance: impl Fn(usize, DVec3) -> f64) -> Meshe
     m
 }
 
-fn near(a: f64, b: f64, share: f64) {
+pub(crate) fn near(a: f64, b: f64, share: f64) {
     assert!((a - b).abs() <= share * b.abs(), "{a} is not {b}");
 }
 
