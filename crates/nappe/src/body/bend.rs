@@ -44,13 +44,20 @@ const ROUND_UP: f64 = 1.0 + 1e-12;
 /// And of others, as a share of the sum of their sizes.
 const CANCELLED: f64 = 1e-14;
 
+/// Strips beyond creases that are no wider than this share of the domain are rounding.
+const GRAIN: f64 = 1e-12;
+
 /// What is known of second derivatives over a rectangle, and of jumps of the first.
 struct Second {
+    /// The rectangle: corners beyond it count as if they were on its border.
+    uv: [Interval; 2],
     width: [f64; 2],
     middle: [DVec3; 3],
     rest: [f64; 3],
     norms: [f64; 3],
     kinks: [f64; 2],
+    /// How far points are moved that are beyond a crease by hardly anything.
+    moved: f64,
     /// The size of the box of the surface.
     whole: f64,
     proven: bool,
@@ -64,7 +71,11 @@ impl Second {
     }
 
     /// `Q` for a side.
-    fn along(&self, [u, v]: [f64; 2]) -> DVec3 {
+    fn along(&self, [a, b]: [[f64; 2]; 2]) -> DVec3 {
+        let [u, v] = [0, 1].map(|d| {
+            let Interval { lo, hi } = self.uv[d];
+            b[d].clamp(lo, hi) - a[d].clamp(lo, hi)
+        });
         let [uu, uv, vv] = self.middle;
         uu * (u * u) + uv * (2.0 * u * v) + vv * (v * v)
     }
@@ -77,7 +88,7 @@ impl Second {
         // What is not known is no bound.
         let least = if own < any { own } else { any };
         let kinks = 0.5 * (self.kinks[0] * du + self.kinks[1] * dv);
-        let bound = (least + kinks) * ROUND_UP;
+        let bound = (least + kinks + 3.0 * self.moved) * ROUND_UP;
         Bend {
             bound: if bound < self.whole {
                 bound
@@ -90,27 +101,21 @@ impl Second {
     }
 
     fn triangle(&self, p: [[f64; 2]; 3]) -> Bend {
-        let q = [0, 1, 2].map(|k| {
-            let (a, b) = (p[k], p[(k + 1) % 3]);
-            self.along([b[0] - a[0], b[1] - a[1]])
-        });
+        let q = [0, 1, 2].map(|k| self.along([p[k], p[(k + 1) % 3]]));
         let sum = q[0] + q[1] + q[2];
         let all = q.map(|q| greater(0.125 * q.length(), (q + sum).length() / 24.0));
         self.bend(all.into_iter().fold(0.0, greater))
     }
 
-    fn chord(&self, [a, b]: [[f64; 2]; 2]) -> Bend {
-        self.bend(0.125 * self.along([b[0] - a[0], b[1] - a[1]]).length())
+    fn chord(&self, p: [[f64; 2]; 2]) -> Bend {
+        self.bend(0.125 * self.along(p).length())
     }
 
     /// Both ways to halve a rectangle.
     fn cell(&self) -> Bend {
-        let [u, v] = self.width;
-        let o = [0.0; 2];
-        let [a, b] = [
-            self.triangle([o, [u, 0.0], [u, v]]),
-            self.triangle([o, [u, 0.0], [0.0, v]]),
-        ];
+        let [u, v] = self.uv;
+        let a = self.triangle([[u.lo, v.lo], [u.hi, v.lo], [u.hi, v.hi]]);
+        let b = self.triangle([[u.lo, v.lo], [u.hi, v.lo], [u.lo, v.hi]]);
         if a.bound > b.bound { a } else { b }
     }
 }
@@ -157,13 +162,66 @@ impl Chart<'_> {
     }
 
     fn second(&self, uv: [Interval; 2], centred: bool) -> Second {
+        let (near, beyond) = self.clipped(uv);
+        let mut new = self.inside(near, centred);
+        for (d, strip) in beyond.into_iter().enumerate() {
+            // All points of the strip go to its inner end, the corners and what is between them: three times.
+            let Some(strip) = strip else { continue };
+            let parts = [0, 1].map(|d| self.parts(d, strip[d]));
+            for u in &parts[0] {
+                for v in &parts[1] {
+                    let boxes = enclose_direct(self.surface, [*u, *v], 1);
+                    new.moved += boxes[1 + d].norm().hi * strip[d].width();
+                    new.whole += boxes[0].diagonal();
+                }
+            }
+        }
+        new
+    }
+
+    /// A rectangle without strips beyond creases and seams that are only as wide as rounding makes them, and these.
+    fn clipped(&self, uv: [Interval; 2]) -> ([Interval; 2], [Option<[Interval; 2]>; 2]) {
+        let mut near = uv;
+        let mut beyond = [None; 2];
+        for d in 0..2 {
+            let grain = GRAIN * (self.domain[d].width() + self.domain[d].mag());
+            let turn =
+                self.period[d].map_or(0.0, |p| ((uv[d].lo - self.domain[d].lo) / p).floor() * p);
+            let period = self.period[d];
+            let seams = period
+                .into_iter()
+                .flat_map(|p| [0.0, p].map(|s| self.domain[d].lo + turn + s));
+            let lifts = [0.0, period.unwrap_or(0.0)].map(|s| turn + s);
+            let creases = self.creases(d).iter().flat_map(|c| lifts.map(|l| c + l));
+            for c in seams.chain(creases) {
+                let Interval { lo, hi } = near[d];
+                let strip = if lo < c && c - lo <= grain && hi - c > grain {
+                    near[d].lo = c;
+                    Interval::new(lo, c)
+                } else if c < hi && hi - c <= grain && c - lo > grain {
+                    near[d].hi = c;
+                    Interval::new(c, hi)
+                } else {
+                    continue;
+                };
+                let mut all = uv;
+                all[d] = strip.hull(beyond[d].map_or(strip, |b: [Interval; 2]| b[d]));
+                beyond[d] = Some(all);
+            }
+        }
+        (near, beyond)
+    }
+
+    fn inside(&self, uv: [Interval; 2], centred: bool) -> Second {
         let parts = [0, 1].map(|d| self.parts(d, uv[d]));
         let mut new = Second {
+            uv,
             width: uv.map(Interval::width),
             middle: [DVec3::ZERO; 3],
             rest: [f64::INFINITY; 3],
             norms: [0.0; 3],
             kinks: [0, 1].map(|d| self.kinks(d, &parts)),
+            moved: 0.0,
             whole: f64::INFINITY,
             proven: true,
         };
@@ -217,7 +275,7 @@ impl Chart<'_> {
             }
         }
         // Round the seam, once or all around.
-        let whole = self.period[d].is_some() && parts[d].iter().any(|p| *p == domain);
+        let whole = self.period[d].is_some() && parts[d].contains(&domain);
         if parts[d].len() > 1 || whole {
             sum += self.kink(d, [domain.hi, domain.lo], over);
         }

@@ -1,6 +1,7 @@
 //! A surface as the plane of its parameters: where it closes, where it is one point, and which parameters belong to a
 //! point of space.
 
+use super::closing::{Other, apart};
 use crate::breaks::{Breaks, inwards};
 use crate::interval::Interval;
 use crate::mesh::shared::Edge as Line;
@@ -29,6 +30,8 @@ pub(super) struct Pole {
     pub(super) at: f64,
     pub(super) upper: bool,
     pub(super) point: DVec3,
+    /// How far points of the side are from it at most.
+    pub(super) size: f64,
 }
 
 pub(super) struct Chart<'a> {
@@ -38,6 +41,8 @@ pub(super) struct Chart<'a> {
     pub(super) period: [Option<f64>; 2],
     /// How far apart the sides are that meet.
     pub(super) slit: f64,
+    /// Whether that and the sizes of poles are proven.
+    pub(super) proven: bool,
     pub(super) poles: Vec<Pole>,
     pub(super) size: f64,
     /// Where first derivatives jump, u and v; with the ends where the surface closes with a crease.
@@ -54,6 +59,7 @@ impl<'a> Chart<'a> {
             domain: surface.domain(),
             period: [None; 2],
             slit: 0.0,
+            proven: true,
             poles: Vec::new(),
             size,
             creases: [Dir::U, Dir::V].map(|dir| surface.breaks(dir).below(1)),
@@ -63,12 +69,20 @@ impl<'a> Chart<'a> {
         for side in Side::ALL {
             let line = Line::new(surface, side);
             if line.is_collapsed(near) {
-                new.poles.push(Pole {
-                    d: usize::from(side.across() == Dir::V),
-                    at: line.at,
-                    upper: side.is_upper(),
-                    point: line.point(line.range.mid()),
-                });
+                let (d, upper) = (usize::from(side.across() == Dir::V), side.is_upper());
+                let point = line.point(line.range.mid());
+                let size = apart(surface, d, upper, Other::Point(point), near);
+                // Samples saw no more than half of what is near.
+                new.proven &= size.is_some();
+                if size.is_none_or(|s| s <= near) {
+                    new.poles.push(Pole {
+                        d,
+                        at: line.at,
+                        upper,
+                        point,
+                        size: size.unwrap_or(0.5 * near),
+                    });
+                }
             }
         }
         for d in 0..2 {
@@ -83,7 +97,7 @@ impl<'a> Chart<'a> {
             return;
         }
         let (own, other) = (self.domain[d], self.domain[1 - d]);
-        let (mut apart, mut crease) = (0.0f64, false);
+        let (mut sampled, mut crease) = (0.0f64, false);
         for k in 0..LINES {
             let t = other.lo + (other.hi - other.lo) * k as f64 / (LINES - 1) as f64;
             let jet = |at: f64| {
@@ -96,14 +110,20 @@ impl<'a> Chart<'a> {
             if gap.is_nan() || gap > near {
                 return;
             }
-            apart = apart.max(gap);
+            sampled = sampled.max(gap);
             let (p, q) = (a.d[1 + d], b.d[1 + d]);
             // Beside a pole both are nothing but rounding.
             let rounding = 1e-9 * self.size / own.width();
             crease |= p.distance(q) > 1e-6 * (p.length() + q.length()) + rounding;
         }
+        let proven = apart(self.surface, d, false, Other::Side, near);
+        if proven.is_some_and(|gap| gap > 2.0 * near) {
+            // Open between the samples.
+            return;
+        }
+        self.proven &= proven.is_some();
         self.period[d] = Some(own.width());
-        self.slit = self.slit.max(apart);
+        self.slit = self.slit.max(proven.unwrap_or(sampled));
         if crease {
             self.creases[d].extend([own.lo, own.hi]);
         }

@@ -2,6 +2,7 @@
 
 use super::chart::Chart;
 use super::{Body, Coedge, Face, Loop};
+use crate::interval::greater;
 use crate::mesh::{Certainty, flatten};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -16,7 +17,7 @@ pub(super) struct Flat {
 }
 
 /// The most points of an edge.
-const MOST: usize = 1 << 18;
+pub(super) const MOST: usize = 1 << 18;
 /// The fewest chords of a closed curved edge, and of another one: two arcs may bound a face.
 const LEAST: [usize; 2] = [6, 2];
 
@@ -60,6 +61,12 @@ pub(super) fn flat(body: &Body, edge: usize, tol: f64, rounding: f64) -> Result<
 }
 
 impl Flat {
+    /// Whether all of it is within a distance of its first point, as an edge at a pole.
+    pub(super) fn is_point(&self, near: f64) -> bool {
+        let far = self.points.iter().map(|p| p.distance(self.points[0]));
+        far.fold(self.deviation.error(), greater) <= near
+    }
+
     /// Halves some chords, by increasing index.
     pub(super) fn halve(&mut self, chords: &[usize], curve: &dyn crate::Curve) {
         let mut next = chords.iter().copied().peekable();

@@ -1,16 +1,18 @@
 //! Certified triangles of trimmed faces.
 
 use super::chart::Chart;
-use super::flat::{Flat, Trace, coarse, flat, trace, without_seams};
+use super::flat::{Flat, MOST, Trace, coarse, flat, trace, without_seams};
 use super::region::{Region, RegionError, Run, region};
 use super::triangulate::{Failure, Triangles, triangulate};
 use super::whole::whole;
 use super::{Body, BodyError, Coedge};
 use crate::box3::Box3;
 use crate::breaks::inwards;
+use crate::interval::greater;
+use crate::measure::tear;
 use crate::mesh::{Certainty, Mesh, MeshError, MeshOptions, MeshPatch, MeshVertex};
 use crate::parallel;
-use crate::surface::normal_at;
+use crate::surface::{Dir, normal_at};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 use thiserror::Error;
@@ -60,6 +62,20 @@ pub enum FaceError {
         distance: f64,
         /// How far it may be.
         allowed: f64,
+    },
+    /// The surface jumps.
+    #[error("the surface is torn at {} = {at}: split it there", if *dir == Dir::U { 'u' } else { 'v' })]
+    Torn {
+        /// Which parameter.
+        dir: Dir,
+        /// Where.
+        at: f64,
+    },
+    /// A point of the surface is not finite.
+    #[error("the surface has no finite point at (u, v) = ({}, {})", uv[0], uv[1])]
+    NotFinite {
+        /// The parameters.
+        uv: [f64; 2],
     },
     /// Too many triangles would be needed.
     #[error("more than {max} triangles are needed: raise the tolerance or the limit")]
@@ -237,7 +253,9 @@ impl<'a> Task<'a> {
                     this.loops[i].iter().flatten().map(|c| c.edge).collect();
                 edges.sort_unstable();
                 edges.dedup();
-                let fresh = edges.into_iter().filter(|&e| changed[e]);
+                let fresh = edges
+                    .into_iter()
+                    .filter(|&e| changed[e] && !this.is_point(e));
                 let mut found = Vec::new();
                 for e in fresh {
                     if let Ok(flat) = &this.flats[e] {
@@ -266,7 +284,11 @@ impl<'a> Task<'a> {
                 chords.sort_unstable();
                 chords.dedup();
                 if let Ok(flat) = &mut self.flats[e] {
-                    if flat.points.len() + chords.len() > self.max {
+                    let most = self.max.min(MOST);
+                    if flat.points.len() + chords.len() > most {
+                        let why =
+                            format!("more than {most} points are needed: raise the tolerance");
+                        self.flats[e] = Err(why);
                         continue;
                     }
                     flat.halve(&chords, self.body.edges[e].curve.as_ref());
@@ -290,6 +312,12 @@ impl<'a> Task<'a> {
             next += flat.as_ref().map_or(0, |f| f.points.len() as u32 - 2);
         }
         self.starts.push(next);
+    }
+
+    /// Whether an edge is no more than its vertex.
+    fn is_point(&self, edge: usize) -> bool {
+        let [a, b] = self.body.edges[edge].vertices;
+        a == b && matches!(&self.flats[edge], Ok(f) if f.is_point(self.weld))
     }
 
     /// The number of the first point of a face's own.
@@ -352,14 +380,21 @@ impl<'a> Task<'a> {
 
     /// The region of a face.
     pub(super) fn region(&self, face: usize) -> Result<Region, FaceError> {
-        let runs = |l: &Vec<Coedge>| l.iter().map(|&c| self.run(face, c)).collect();
-        let loops: Vec<Vec<Run>> = self.loops[face]
+        let chart = &self.charts[face];
+        if let Some((dir, at)) = tear(chart.surface) {
+            return Err(FaceError::Torn { dir, at });
+        }
+        let runs = |l: &Vec<Coedge>| -> Result<Vec<Run>, FaceError> {
+            let edges = l.iter().filter(|c| !self.is_point(c.edge));
+            edges.map(|&c| self.run(face, c)).collect()
+        };
+        let mut loops: Vec<Vec<Run>> = self.loops[face]
             .iter()
             .map(runs)
             .collect::<Result<_, _>>()?;
+        loops.retain(|l| !l.is_empty());
         let first = self.first();
-        let chart = &self.charts[face];
-        Ok(region(chart, &loops, first, CHORD * self.tol)?)
+        Ok(region(chart, &loops, first, [CHORD * self.tol, self.tol])?)
     }
 
     /// Puts the triangles around poles to the others.
@@ -380,7 +415,8 @@ impl<'a> Task<'a> {
                 });
                 for t in [[a, b, q], [a, q, p]] {
                     let bend = chart.triangle(t, allowed);
-                    to.bound = to.bound.max(bend.bound);
+                    // The side is not one point to the last bit, nor need the tip be on it.
+                    to.bound = greater(to.bound, bend.bound + 2.0 * fan.pole.size);
                     to.proven &= bend.proven;
                 }
                 let k = to.vertices.len() as u32;
@@ -451,16 +487,20 @@ impl<'a> Task<'a> {
             Failure::NotReached(deviation) => FaceError::NotReached { deviation },
         })?;
         self.fans(face, &mut region, &mut triangles, allowed);
-        if triangles.bound > allowed {
+        if triangles.bound.is_nan() || triangles.bound > allowed {
             let deviation = triangles.bound;
             return Err(FaceError::NotReached { deviation });
         }
         let forward = self.body.faces[face].forward;
         let deviation = self.deviation(face, &region, &triangles, shared);
-        let point = |id: u32| {
-            let inside = id.checked_sub(self.first());
-            inside.map_or_else(|| shared[id as usize], |k| region.own[k as usize])
-        };
+        for &(uv, id) in &triangles.vertices {
+            let own = id.checked_sub(self.first());
+            let p = own.map_or_else(|| shared[id as usize], |k| region.own[k as usize]);
+            if !p.is_finite() {
+                let uv = chart.wrapped(uv);
+                return Err(FaceError::NotFinite { uv });
+            }
+        }
         let vertices: Vec<MeshVertex> = triangles
             .vertices
             .iter()
@@ -487,7 +527,6 @@ impl<'a> Task<'a> {
             }
             list.push(t);
         }
-        debug_assert!(vertices.iter().all(|v| point(v.point).is_finite()));
         Ok(Patch {
             patch: MeshPatch {
                 vertices,
@@ -508,13 +547,13 @@ impl<'a> Task<'a> {
         shared: &[DVec3],
     ) -> Certainty {
         let chart = &self.charts[face];
-        let mut proven = triangles.proven;
+        let mut proven = triangles.proven && chart.proven;
         // Own points are on the surface; those of the border may be off.
         let off = triangles.vertices.iter().filter_map(|&(uv, id)| {
             let p = shared.get(id as usize)?;
             Some(chart.point(uv).distance(*p))
         });
-        let off = off.fold(0.0, f64::max);
+        let off = off.fold(0.0, greater);
         let mut border = 0.0f64;
         for polygon in &region.polygons {
             for (k, c) in polygon.iter().enumerate() {
@@ -527,11 +566,11 @@ impl<'a> Task<'a> {
                         continue;
                     };
                     proven &= !matches!(flat.deviation, Certainty::Estimated(_));
-                    border = border.max(bend.bound + flat.deviation.error());
+                    border = greater(border, bend.bound + flat.deviation.error());
                 }
             }
         }
-        let e = triangles.bound.max(border) + off + chart.slit + self.rounding;
+        let e = greater(triangles.bound, border) + off + chart.slit + self.rounding;
         if proven {
             Certainty::Bounded(e)
         } else {

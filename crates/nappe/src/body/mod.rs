@@ -12,6 +12,7 @@
 
 mod bend;
 mod chart;
+mod closing;
 mod cover;
 mod cut;
 mod error;

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod bad;
 mod cover;
 mod figures;
 mod mesh;
