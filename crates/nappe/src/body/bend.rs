@@ -46,6 +46,11 @@ const CANCELLED: f64 = 1e-14;
 
 /// Strips beyond creases that are no wider than this share of the domain are rounding.
 const GRAIN: f64 = 1e-12;
+/// Or as this share of what is enough, in space.
+const SLIGHT: f64 = 1e-3;
+
+/// Strips with the direction in which they are narrow.
+type Strips = SmallVec<[(usize, [Interval; 2]); 2]>;
 
 /// What is known of second derivatives over a rectangle, and of jumps of the first.
 struct Second {
@@ -149,11 +154,11 @@ impl Chart<'_> {
     }
 
     fn sharpened(&self, uv: [Interval; 2], enough: f64, bend: impl Fn(&Second) -> Bend) -> Bend {
-        let first = bend(&self.second(uv, false));
+        let first = bend(&self.second(uv, enough, false));
         if first.bound <= enough {
             return first;
         }
-        let sharp = bend(&self.second(uv, true));
+        let sharp = bend(&self.second(uv, enough, true));
         if sharp.bound < first.bound {
             sharp
         } else {
@@ -161,52 +166,50 @@ impl Chart<'_> {
         }
     }
 
-    fn second(&self, uv: [Interval; 2], centred: bool) -> Second {
-        let (near, beyond) = self.clipped(uv);
+    fn second(&self, uv: [Interval; 2], enough: f64, centred: bool) -> Second {
+        let (near, beyond) = self.clipped(uv, enough);
         let mut new = self.inside(near, centred);
-        for (d, strip) in beyond.into_iter().enumerate() {
+        for (d, strip) in beyond {
             // All points of the strip go to its inner end, the corners and what is between them: three times.
-            let Some(strip) = strip else { continue };
             let parts = [0, 1].map(|d| self.parts(d, strip[d]));
+            let mut most = 0.0;
             for u in &parts[0] {
                 for v in &parts[1] {
                     let boxes = enclose_direct(self.surface, [*u, *v], 1);
-                    new.moved += boxes[1 + d].norm().hi * strip[d].width();
+                    most = greater(most, boxes[1 + d].norm().hi);
                     new.whole += boxes[0].diagonal();
                 }
             }
+            new.moved += most * strip[d].width();
         }
         new
     }
 
     /// A rectangle without strips beyond creases and seams that are only as wide as rounding makes them, and these.
-    fn clipped(&self, uv: [Interval; 2]) -> ([Interval; 2], [Option<[Interval; 2]>; 2]) {
+    fn clipped(&self, uv: [Interval; 2], enough: f64) -> ([Interval; 2], Strips) {
         let mut near = uv;
-        let mut beyond = [None; 2];
+        let mut beyond = Strips::new();
         for d in 0..2 {
-            let grain = GRAIN * (self.domain[d].width() + self.domain[d].mag());
-            let turn =
-                self.period[d].map_or(0.0, |p| ((uv[d].lo - self.domain[d].lo) / p).floor() * p);
-            let period = self.period[d];
-            let seams = period
-                .into_iter()
-                .flat_map(|p| [0.0, p].map(|s| self.domain[d].lo + turn + s));
-            let lifts = [0.0, period.unwrap_or(0.0)].map(|s| turn + s);
+            let (own, period) = (self.domain[d], self.period[d]);
+            let rounding = GRAIN * (own.width() + own.mag());
+            let grain = rounding.max(SLIGHT * enough * own.width() / self.size);
+            let turn = period.map_or(0.0, |p| ((uv[d].lo - own.lo) / p).floor() * p);
+            let lifts = [turn, turn + period.unwrap_or(0.0)];
+            let seams = period.into_iter().flat_map(|_| lifts.map(|l| own.lo + l));
             let creases = self.creases(d).iter().flat_map(|c| lifts.map(|l| c + l));
             for c in seams.chain(creases) {
                 let Interval { lo, hi } = near[d];
-                let strip = if lo < c && c - lo <= grain && hi - c > grain {
+                let mut strip = uv;
+                if lo < c && c - lo <= grain && hi - c > grain {
                     near[d].lo = c;
-                    Interval::new(lo, c)
+                    strip[d] = Interval::new(lo, c);
                 } else if c < hi && hi - c <= grain && c - lo > grain {
                     near[d].hi = c;
-                    Interval::new(c, hi)
+                    strip[d] = Interval::new(c, hi);
                 } else {
                     continue;
-                };
-                let mut all = uv;
-                all[d] = strip.hull(beyond[d].map_or(strip, |b: [Interval; 2]| b[d]));
-                beyond[d] = Some(all);
+                }
+                beyond.push((d, strip));
             }
         }
         (near, beyond)

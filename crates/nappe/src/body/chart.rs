@@ -214,7 +214,16 @@ impl<'a> Chart<'a> {
         }
         let found = order[..few].iter().map(|&(_, k)| {
             let uv = self.nearest(p, guesses[k].0);
-            (uv, self.point(uv).distance(p))
+            let distance = self.point(uv).distance(p);
+            // A NaN may sort before all numbers.
+            (
+                uv,
+                if distance.is_nan() {
+                    f64::INFINITY
+                } else {
+                    distance
+                },
+            )
         });
         let best = found.min_by(|a, b| a.1.total_cmp(&b.1));
         best.unwrap_or(([self.domain[0].mid(), self.domain[1].mid()], f64::INFINITY))
@@ -232,7 +241,8 @@ impl<'a> Chart<'a> {
         let mut points = vec![DVec3::ZERO; us.len() * vs.len()];
         self.surface.grid(&us, &vs, &mut points);
         let pairs = us.iter().flat_map(|&u| vs.iter().map(move |&v| [u, v]));
-        pairs.zip(points).collect()
+        // Where the surface has no finite point, nothing is near.
+        pairs.zip(points).filter(|g| g.1.is_finite()).collect()
     }
 
     /// Where first derivatives jump, in one parameter.

@@ -70,10 +70,14 @@ pub(super) fn apart(
     let mut greatest = 0.0;
     while let Some((t, limit)) = waiting.pop() {
         let h = t - Interval::point(t.mid());
-        let middle = difference(Interval::point(t.mid()), limit, 1);
-        let all = difference(t, limit, 2);
-        let rest = all[2].scale(h.sqr() * Interval::point(0.5));
-        let centred = middle[0] + middle[1].scale(h) + rest;
+        let middle = difference(Interval::point(t.mid()), limit, ORDER - 1);
+        let all = difference(t, limit, ORDER);
+        let term = |d: Box3, k: usize| {
+            let factorial = (1..=k).product::<usize>() as f64;
+            d.scale(h.powi(k as i32) / Interval::point(factorial))
+        };
+        let rest = term(all[ORDER], ORDER);
+        let centred = (0..ORDER).fold(rest, |sum, k| sum + term(middle[k], k));
         let (a, b) = (centred.norm().hi, all[0].norm().hi);
         let bound = if a < b { a } else { b };
         // Halves would give no less: what remains is rounding, or the greater part is the distance in the middle.
@@ -93,5 +97,7 @@ pub(super) fn apart(
     Some(greatest)
 }
 
-/// A distance that is this share of what is near is as good as none.
-const SMALL: f64 = 0.02;
+/// A distance that is this share of what is near is small.
+const SMALL: f64 = 0.25;
+/// The order of the centred forms.
+const ORDER: usize = 4;

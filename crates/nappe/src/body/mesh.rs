@@ -112,11 +112,13 @@ const LARGEST_WELD: f64 = 0.25;
 /// surfaces that close, faces may contain poles; seams are no borders. A face without loops is its whole surface, which must be
 /// closed. A face that has no mesh is in [`Meshed::failed`], and its patch is empty.
 ///
+/// A body of whole surfaces with the edges that [`sew`](super::sew) gives within the weld distance has the mesh of its surfaces.
+///
 /// What the deviation of a patch says: triangles and the part of the surface inside the polygon of the border's points,
 /// in the parameters, are within it of each other, both ways; and every point of an edge is within it of the
-/// border and of the surface. [`Certainty::Bounded`] is a proof from enclosed second derivatives (see `mesh/bound.rs`), and includes how far
+/// border and of the surface. [`Certainty::Bounded`] is a proof from enclosed second derivatives (see `body/bend.rs`), and includes how far
 /// the edges are from the surface at their points: it is more than the tolerance only by that. [`Certainty::Estimated`] means
-/// that a curve or surface could not enclose itself somewhere.
+/// that a curve or surface could not enclose itself somewhere, or that sides seem to meet, or to be one point, and no proof was found.
 ///
 /// # Errors
 /// See [`BodyMeshError`].
