@@ -128,64 +128,6 @@ fn whole_surfaces_need_about_as_many_triangles_as_without_edges() {
     }
 }
 
-/// Scales and places, and faces that are turned.
-#[test]
-fn whole_surfaces_at_all_scales() {
-    for (s, o) in crate::mesh::SCALES {
-        for shape in [
-            sphere(v(1.0, 2.0, 3.0), 2.0),
-            torus(v(1.0, 2.0, 3.0), 3.0, 1.0),
-        ] {
-            let surfaces = moved(&[shape], s, o);
-            let options = MeshOptions::with_tol(5e-2 * s);
-            let count = nappe::mesh::mesh(&surfaces, &options).unwrap().patches[0]
-                .triangles
-                .len();
-            let mut body = sew(&surfaces, 1e-6 * s).body;
-            let turned = {
-                let mut b = body.clone();
-                b.faces[0].turn();
-                b
-            };
-            let disc = {
-                let mut m = Maker::default();
-                let edge = m.circle(o, DVec3::Z, s) as i32 + 1;
-                m.face(plane(o, DVec3::Z), true, &[&[edge]]);
-                m.body
-            };
-            for both in [false, true] {
-                if both {
-                    let edge = body.edges.len();
-                    let vertex = body.vertices.len();
-                    body.vertices.extend(disc.vertices.iter().copied());
-                    body.edges.extend(disc.edges.iter().cloned().map(|mut e| {
-                        e.vertices = e.vertices.map(|v| v + vertex);
-                        e
-                    }));
-                    body.faces.extend(disc.faces.iter().cloned().map(|mut f| {
-                        for l in &mut f.loops {
-                            if let nappe::body::Loop::Edges(c) = l {
-                                c.iter_mut().for_each(|c| c.edge += edge);
-                            }
-                        }
-                        f
-                    }));
-                }
-                let m = mesh(&body, &options).unwrap();
-                assert_eq!(m.failed, []);
-                assert!(m.mesh.patches[0].triangles.len() <= 4 * count);
-                two_sided("moved", &m, &surfaces[0]);
-                let volume = crate::mesh::volume(&m);
-                assert!(volume > 0.0);
-                if !both {
-                    let back = crate::mesh::volume(&mesh(&turned, &options).unwrap());
-                    assert!((volume + back).abs() <= 1e-9 * volume);
-                }
-            }
-        }
-    }
-}
-
 #[test]
 fn a_face_without_loops_is_its_closed_surface() {
     for s in [sphere(DVec3::ZERO, 1.0), torus(DVec3::ZERO, 3.0, 1.0)] {
