@@ -440,7 +440,7 @@ fn what_is_cut_short_unused_or_unknown_is_told() {
     ];
     let d = read(&file(&lines)).unwrap();
     let why: Vec<&str> = d.left_out.iter().map(|l| l.why.as_str()).collect();
-    assert!(why.len() == 3 && why[0].contains("14 of 16"), "{why:?}");
+    assert!(why.len() == 3 && why[0].contains("10 of 12"), "{why:?}");
     assert!(why[1].contains("nothing uses it") && why[2].contains("from its centre"));
     // Ends that differ by rounding are those of a whole circle.
     assert!(

@@ -523,9 +523,9 @@ fn faults_of_small_formats_say_where() {
         ("xml", "<model/>".into(), "", "`model`"),
         (
             "bpt",
-            "2\n1 1\n0 0 0 1 0 0 0 1 0 1 1 0\n".into(),
-            "line 3",
-            "a degree",
+            "2\n1 1\n0 0 0 1 0 0 0 1 0 1 1 0\nx 1 0 0 0 0 0 0 0 0 0 0 0 0 0".into(),
+            "line 4",
+            "`x` should be a degree",
         ),
         (
             "bpt",
@@ -573,10 +573,10 @@ fn faults_of_small_formats_say_where() {
         ),
         ("brep", brep("1 0 0 0", "1 0 y 0"), "line 7", "`y`"),
         ("brep", brep("1 0 0 0", "17 0 0 0"), "line 7", "kind 17"),
-        ("brep", brep("+2 0 *", "+3 0 *"), "line 22", "`+3`"),
-        ("brep", brep("+2 0 *", "+1 0 *"), "line 22", "later"),
-        ("brep", brep("+1 0", "+1 1"), "line 24", "location 1"),
-        ("brep", brep("+1 0 \n", ""), "line 22", "ends"),
+        ("brep", brep("+2 0 *", "+3 0 *"), "line 24", "`+3`"),
+        ("brep", brep("+2 0 *", "+1 0 *"), "line 24", "later"),
+        ("brep", brep("+1 0", "+1 1"), "line 26", "location 1"),
+        ("brep", brep("+1 0 \n", ""), "line 24", "ends"),
         (
             "brep",
             "CASCADE Topology V1\nLocations 0\nCurves 0".into(),

@@ -46,7 +46,7 @@ pub(super) fn dots(name: String, points: Vec<DVec3>) -> Result<Item, String> {
 }
 
 fn fits(points: &[DVec3]) -> Result<(), String> {
-    let far = |p: &&DVec3| !(p.abs().max_element() <= LARGEST_LENGTH);
+    let far = |p: &&DVec3| !p.is_finite() || p.abs().max_element() > LARGEST_LENGTH;
     match points.iter().find(far) {
         None => Ok(()),
         Some(p) => Err(format!(

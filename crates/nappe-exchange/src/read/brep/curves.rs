@@ -193,7 +193,7 @@ fn opened(
         return Err("a periodic spline without knots".into());
     };
     let (turn, period) = (flat.len() - last.1, last.0 - first.0);
-    if first.1 != last.1 || first.1 > degree || turn != poles || !(period > 0.0) {
+    if first.1 != last.1 || first.1 > degree || turn != poles || period <= 0.0 {
         return Err(format!(
             "a periodic spline of {poles} poles whose knots are for {turn}, with {} and {} at its ends",
             first.1, last.1
