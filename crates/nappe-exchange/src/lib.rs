@@ -25,6 +25,7 @@ mod error;
 mod facets;
 mod format;
 mod gltf;
+mod hollow;
 pub mod iges;
 mod json;
 mod obj;

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// A curve as a file states it.
 #[derive(Clone, Debug)]
-pub(super) enum Course {
+pub(crate) enum Course {
     /// `point + t vector`.
     Line { point: DVec3, vector: DVec3 },
     /// `a cos t x + b sin t y`: a circle if both are equal.
@@ -155,7 +155,40 @@ fn trimmed(space: &Space<'_>, record: &Record<'_>, depth: usize) -> Got<CurveRef
     if matches!(course, Course::Ellipse { .. }) {
         at[1] = turned(at, same);
     }
+    if let Course::Bounded(c) = &course {
+        let [first, last] = c.ends();
+        let tol = space.uncertainty;
+        let ring = first.distance(last) <= tol;
+        // A closed curve is left through its end where the parts ask for that.
+        if ring && (at[0] == at[1] || (at[0] < at[1]) != same) {
+            let [from, to] = if same { at } else { [at[1], at[0]] };
+            let around = round(c, [from, to], tol).map_err(|e| record.refused(e))?;
+            return Ok(if same { around } else { backwards(around) });
+        }
+    }
     course.between(at).map_err(|e| record.refused(e))
+}
+
+/// The part of a closed curve from one parameter to another that is not larger, through the point where it begins and
+/// ends.
+fn round(c: &CurveRef, [from, to]: [f64; 2], tol: f64) -> Result<CurveRef, String> {
+    let domain = c.domain();
+    let pieces: Result<Vec<CurveRef>, String> = [[from, domain.hi], [domain.lo, to]]
+        .into_iter()
+        .filter(|r| r[0] < r[1])
+        .map(|[a, b]| part(c, a, b))
+        .collect();
+    let mut pieces = pieces?;
+    if pieces.len() == 1 {
+        return Ok(pieces.remove(0));
+    }
+    let options = JoinOptions {
+        tol: Some(tol),
+        ..JoinOptions::default()
+    };
+    Ok(Arc::new(
+        Joined::new(pieces, options).map_err(|e| e.to_string())?,
+    ))
 }
 
 /// The last angle of an arc that runs from the first the right way round, a whole turn if they are equal.
@@ -233,7 +266,7 @@ impl Course {
     }
 
     /// The part from one parameter to another, backwards if the second is smaller. Of an ellipse at most one turn.
-    pub(super) fn between(&self, [from, to]: [f64; 2]) -> Result<CurveRef, String> {
+    pub(crate) fn between(&self, [from, to]: [f64; 2]) -> Result<CurveRef, String> {
         if !(from.is_finite() && to.is_finite()) || from == to {
             return Err(format!(
                 "it is trimmed from {from} to {to}, which is no part of it"
@@ -366,23 +399,7 @@ impl Course {
         if !ring {
             return part(c, to, from);
         }
-        // Through the point where the closed curve begins and ends.
-        let pieces: Result<Vec<CurveRef>, String> = [[from, domain.hi], [domain.lo, to]]
-            .into_iter()
-            .filter(|r| r[0] < r[1])
-            .map(|[a, b]| part(c, a, b))
-            .collect();
-        let mut pieces = pieces?;
-        if pieces.len() == 1 {
-            return Ok(pieces.remove(0));
-        }
-        let options = JoinOptions {
-            tol: Some(tol),
-            ..JoinOptions::default()
-        };
-        Ok(Arc::new(
-            Joined::new(pieces, options).map_err(|e| e.to_string())?,
-        ))
+        round(c, [from, to], tol)
     }
 }
 

@@ -122,11 +122,17 @@ impl<'s, 'a> Builder<'s, 'a> {
                 return Err(bound.refused("bounds of this kind are not read"));
             }
             let outline = self.outline(args.reference(1)?).map_err(within)?;
-            loops.push(if args.flag(2)? {
+            let outline = if args.flag(2)? {
                 outline
             } else {
                 turned(outline)
-            });
+            };
+            // The outer one comes first, as other formats have it.
+            if kind == "FACE_OUTER_BOUND" {
+                loops.insert(0, outline);
+            } else {
+                loops.push(outline);
+            }
         }
         let same = args.flag(3)?;
         let expanse = surfaces::expanse(self.space, args.reference(2)?, 0).map_err(within)?;

@@ -31,8 +31,9 @@ enum Places {
 
 /// A table may be this many times as long as the list of entities; sparser numbers are searched.
 const SPARSE: u64 = 3;
-/// A file whose entities refer to each other so often goes round in a circle, or is made to keep a reader busy.
-const MOST_READS: u64 = 1 << 32;
+/// A file whose entities refer to each other more often than so many times their number, and so often besides, goes round
+/// in a circle, or is made to keep a reader busy and to fill the memory.
+const MOST_READS: [u64; 2] = [1 << 10, 1 << 24];
 
 /// A file in memory.
 #[derive(Debug)]
@@ -111,7 +112,8 @@ impl<'b> File<'b> {
 
     fn begin(&self, id: u64) -> Got<Entry> {
         self.reads.set(self.reads.get() + 1);
-        if self.reads.get() > MOST_READS {
+        let most = MOST_READS[0] * self.count() as u64 + MOST_READS[1];
+        if self.reads.get() > most {
             return Err(self.refused(id, "the file refers to its entities too often"));
         }
         self.entry(id)

@@ -15,6 +15,8 @@ mod text;
 mod units;
 mod value;
 
+pub(crate) use curves::Course;
+
 use super::StepError;
 use crate::{Colour, Document, FaceStyle, Item, ItemForm};
 use faces::Builder;
@@ -74,6 +76,9 @@ pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
     };
     for p in &placed {
         reader.representation(p, None, 0);
+    }
+    for r in reader.tree.unread() {
+        reader.left.add(&r);
     }
     reader.document.name = reader
         .tree
@@ -229,7 +234,10 @@ impl<'a> Reader<'a> {
         for id in self.file.record(id)?.args().references(1)? {
             let own = self.colours.get(&id).copied().or(colour);
             if self.file.kind(id) == "CARTESIAN_POINT" {
-                points.push(space.point(id)?);
+                match space.point(id) {
+                    Ok(p) => points.push(p),
+                    Err(r) => self.left.add(&r),
+                }
                 continue;
             }
             let read = curves::course(space, id, 0)

@@ -121,11 +121,11 @@ impl<'a> Space<'a> {
         let mapped = |d: DVec3| self.map.map_or(d, |m| m.matrix3 * d);
         let z = direction(2)?.unwrap_or_else(|| mapped(DVec3::Z));
         let x = if round { None } else { direction(3)? };
-        // Without a direction, x is that of space, or z where the axis runs along that.
+        // Without a direction, x is that of space, or y where the axis runs along that (`first_proj_axis`).
         let frame = match x.filter(|x| x.normalize().cross(z.normalize()).length() > RIGID) {
             Some(x) => Frame::new(origin, z, x),
             None => Frame::new(origin, z, mapped(DVec3::X))
-                .or_else(|_| Frame::new(origin, z, mapped(DVec3::Z))),
+                .or_else(|_| Frame::new(origin, z, mapped(DVec3::Y))),
         };
         frame.map_err(|e| record.refused(e.to_string()))
     }

@@ -39,6 +39,8 @@ pub(super) struct Tree<'a> {
     file: &'a File<'a>,
     units: Units,
     contexts: HashMap<u64, Context>,
+    /// What is wrong with their units.
+    unread: Vec<Refused>,
     /// Representations that hold the same shape.
     same: HashMap<u64, Vec<u64>>,
     uses: HashMap<u64, Vec<Use>>,
@@ -54,6 +56,7 @@ impl<'a> Tree<'a> {
             file,
             units,
             contexts: HashMap::new(),
+            unread: Vec::new(),
             same: HashMap::new(),
             uses: HashMap::new(),
             products: Vec::new(),
@@ -180,16 +183,28 @@ impl<'a> Tree<'a> {
         Ok(())
     }
 
+    /// What of the units asked for so far could not be read.
+    pub(super) fn unread(&mut self) -> Vec<Refused> {
+        std::mem::take(&mut self.unread)
+    }
+
     /// The units and accuracy of a representation.
     pub(super) fn context(&mut self, id: u64) -> Context {
         if let Some(c) = self.contexts.get(&id) {
             return *c;
         }
-        let read = || -> Got<Context> {
-            let record = self.file.record(id)?;
-            Context::read(self.file, record.args().reference(2)?)
+        let stated = self.file.record(id).and_then(|r| r.args().reference(2));
+        let (context, unread) = match stated {
+            Ok(stated) => Context::read(self.file, stated),
+            Err(_) => (Context::default(), Vec::new()),
         };
-        let context = read().unwrap_or_default();
+        self.unread.extend(unread.into_iter().map(|r| Refused {
+            why: format!(
+                "{}; units that are not read are millimetres and radians",
+                r.why
+            ),
+            ..r
+        }));
         self.contexts.insert(id, context);
         context
     }

@@ -1,6 +1,6 @@
 //! The units and the uncertainty of a context.
 
-use super::file::{Args, File, Got, number};
+use super::file::{Args, File, Got, Refused, number};
 use super::value::Value;
 use nappe::Units;
 
@@ -35,23 +35,32 @@ const SAME: f64 = 1e-8;
 const DEPTH: usize = 8;
 
 impl Context {
-    /// The context with this number.
-    pub(super) fn read(file: &File<'_>, id: u64) -> Got<Self> {
+    /// The context with this number, and what of its units cannot be read: that is taken for millimetres and radians.
+    pub(super) fn read(file: &File<'_>, id: u64) -> (Self, Vec<Refused>) {
+        let (mut context, mut unread) = (Context::default(), Vec::new());
+        if let Err(r) = context.take(file, id, &mut unread) {
+            unread.push(r);
+        }
+        (context, unread)
+    }
+
+    fn take(&mut self, file: &File<'_>, id: u64, unread: &mut Vec<Refused>) -> Got<()> {
+        let context = self;
         let record = file.record(id)?;
-        let mut context = Context::default();
         if let Some(units) = record.part("GLOBAL_UNIT_ASSIGNED_CONTEXT") {
             for unit in units.references(0)? {
-                match unit_of(file, unit, 0)? {
-                    Some(Unit::Length(metres)) => {
+                match unit_of(file, unit, 0) {
+                    Ok(Some(Unit::Length(metres))) => {
                         context.metres = snapped(metres);
                         context.stated = true;
                     }
-                    Some(Unit::Angle(radians)) => {
+                    Ok(Some(Unit::Angle(radians))) => {
                         let degree = 1f64.to_radians();
                         let near = (radians / degree - 1.0).abs() < SAME;
                         context.radians = if near { degree } else { radians };
                     }
-                    None => {}
+                    Ok(None) => {}
+                    Err(r) => unread.push(r),
                 }
             }
         }
@@ -69,7 +78,7 @@ impl Context {
                 }
             }
         }
-        Ok(context)
+        Ok(())
     }
 
     /// The nearest unit that coordinates can be given in, and the factor to it.
@@ -124,7 +133,9 @@ fn unit_of(file: &File<'_>, id: u64, depth: usize) -> Got<Option<Unit>> {
         prefix(&si)?
     } else if let Some(args) = record.part("CONVERSION_BASED_UNIT") {
         let measure = file.record(args.reference(1)?)?;
-        let args = measure.args();
+        let args = measure
+            .part("MEASURE_WITH_UNIT")
+            .unwrap_or_else(|| measure.args());
         let factor = args
             .get(0)
             .and_then(number)

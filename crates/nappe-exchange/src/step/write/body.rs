@@ -4,6 +4,7 @@ use super::WriteError;
 use super::geometry;
 use super::out::Out;
 use crate::FaceStyle;
+use crate::hollow::hollow;
 use nappe::body::{Body, Coedge, Face, Loop, Shell};
 use nappe::mesh::Certainty;
 
@@ -56,29 +57,33 @@ pub(super) fn body(
         let name = styles.get(i).map_or("", |s| &s.name);
         writer.parts.faces[i] = writer.face(face, name)?;
     }
-    let hollow = hollow(&body.shells);
+    let hollow = body.shells.len() > 1 && hollow(body);
     let ids: Result<Vec<u64>, WriteError> = body.shells.iter().map(|s| writer.shell(s)).collect();
     let ids = ids?;
     if hollow {
-        let outer = ids[0];
-        let mut voids = Vec::new();
-        for id in &ids[1..] {
-            let out = &mut writer.out;
-            let oriented = out
+        let out = &mut writer.out;
+        let mut oriented = Vec::new();
+        for (shell, id) in body.shells.iter().zip(&ids) {
+            let id = out
                 .open("ORIENTED_CLOSED_SHELL")
                 .text("")
                 .word("*")
                 .reference(*id)
-                .flag(false)
+                .flag(!is_turned(shell))
                 .close()?;
-            voids.push(oriented);
+            oriented.push(id);
         }
-        let out = &mut writer.out;
+        let outer = if is_turned(&body.shells[0]) {
+            oriented[0]
+        } else {
+            ids[0]
+        };
+        let voids = &oriented[1..];
         let solid = out
             .open("BREP_WITH_VOIDS")
             .text(name)
             .reference(outer)
-            .references(&voids)
+            .references(voids)
             .close()?;
         writer.parts.roots.push((solid, true));
         return Ok(writer.parts);
@@ -129,14 +134,6 @@ pub(super) fn body(
 /// Whether a shell takes all its faces the other way round.
 fn is_turned(shell: &Shell) -> bool {
     shell.faces.iter().all(|f| !f.1)
-}
-
-/// Whether all shells but the first are turned inside out: the hollows of a solid.
-fn hollow(shells: &[Shell]) -> bool {
-    shells.len() > 1
-        && shells.iter().all(|s| s.closed)
-        && !is_turned(&shells[0])
-        && shells[1..].iter().all(is_turned)
 }
 
 impl Writer<'_, '_, '_> {
@@ -236,7 +233,7 @@ impl Writer<'_, '_, '_> {
             self.vertex(edge.vertices[0])?,
             self.vertex(edge.vertices[1])?,
         ];
-        let (curve, certainty) = geometry::curve(self.out, edge.curve.as_ref(), self.tol)?;
+        let (curve, certainty, _) = geometry::curve(self.out, edge.curve.as_ref(), self.tol)?;
         self.parts.certainty = self.parts.certainty.and(certainty);
         self.parts.tolerance = self.parts.tolerance.max(edge.tolerance);
         let out = &mut self.out;

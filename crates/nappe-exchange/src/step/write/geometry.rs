@@ -7,7 +7,7 @@ use glam::DVec3;
 use nappe::exact::{to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
 use nappe::mesh::Certainty;
 use nappe::surface::{Elementary, Surface};
-use nappe::{Curve, Frame, NurbsCurve, NurbsSurface};
+use nappe::{Curve, Frame, Interval, NurbsCurve, NurbsSurface};
 
 /// A surface in the file.
 pub(super) struct Written {
@@ -18,15 +18,17 @@ pub(super) struct Written {
     pub(super) certainty: Certainty,
 }
 
-/// A curve; gives its number and how far it is from what it stands for.
+/// A curve; gives its number, how far it is from what it stands for, and the range of its parameter unless it is a conic
+/// or a line, whose parameter is the standard's own.
 pub(super) fn curve(
     out: &mut Out<'_>,
     curve: &dyn Curve,
     tol: f64,
-) -> Result<(u64, Certainty), WriteError> {
+) -> Result<(u64, Certainty, Option<Interval>), WriteError> {
     let form =
         to_nurbs_or_approximate_curve(curve, tol).map_err(|e| WriteError::Shape(e.to_string()))?;
     let nurbs = form.nurbs;
+    let mut range = None;
     let id = match conic(&nurbs) {
         Some(Conic::Line { from, along }) => {
             let point = out.point(from)?;
@@ -68,10 +70,11 @@ pub(super) fn curve(
                     .clamped()
                     .map_err(|e| WriteError::Shape(e.to_string()))?
             };
+            range = Some(clamped.domain());
             spline_curve(out, &clamped)?
         }
     };
-    Ok((id, form.certainty))
+    Ok((id, form.certainty, range))
 }
 
 /// Distinct knots and how often each occurs.

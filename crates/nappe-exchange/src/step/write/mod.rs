@@ -135,20 +135,32 @@ pub(super) fn put(
                 tolerance = tolerance.max(parts.tolerance);
             }
             ItemForm::Curve(curve) => {
-                let (id, certainty) = geometry::curve(&mut out, curve.as_ref(), options.tolerance)?;
+                let (id, certainty, range) =
+                    geometry::curve(&mut out, curve.as_ref(), options.tolerance)?;
                 report.certainty = report.certainty.and(certainty);
-                // Lines and circles end where they are trimmed.
-                let [from, to] = curve.ends();
-                let ends = [out.point(from)?, out.point(to)?];
-                let id = out
-                    .open("TRIMMED_CURVE")
-                    .text(&item.name)
-                    .reference(id)
-                    .references(&ends[..1])
-                    .references(&ends[1..])
-                    .word(".T.")
-                    .word(".CARTESIAN.")
-                    .close()?;
+                // Lines and circles end where they are trimmed. Splines have ends, and points do not tell where on them a
+                // trim is: they may be closed, or touch themselves.
+                let id = if let Some(range) = range {
+                    out.open("TRIMMED_CURVE")
+                        .text(&item.name)
+                        .reference(id)
+                        .parameter(range.lo)
+                        .parameter(range.hi)
+                        .word(".T.")
+                        .word(".PARAMETER.")
+                        .close()?
+                } else {
+                    let [from, to] = curve.ends();
+                    let ends = [out.point(from)?, out.point(to)?];
+                    out.open("TRIMMED_CURVE")
+                        .text(&item.name)
+                        .reference(id)
+                        .references(&ends[..1])
+                        .references(&ends[1..])
+                        .word(".T.")
+                        .word(".CARTESIAN.")
+                        .close()?
+                };
                 let set = out
                     .open("GEOMETRIC_CURVE_SET")
                     .text("")

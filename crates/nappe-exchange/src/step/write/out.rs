@@ -169,6 +169,11 @@ impl<'w> Out<'w> {
         self.end()
     }
 
+    /// Where a curve is trimmed.
+    pub(super) fn parameter(&mut self, t: f64) -> &mut Self {
+        self.list().word("PARAMETER_VALUE(").real(t).end().end()
+    }
+
     pub(super) fn point(&mut self, p: DVec3) -> io::Result<u64> {
         self.open("CARTESIAN_POINT")
             .text("")
