@@ -75,9 +75,9 @@ fn bodies_become_meshes_and_pictures() {
     // Chords of a circle within 0.01: the area is a little less than 2 × 3 × π / 2.
     let told = folder.nappe("info q.glb --format json");
     let told: serde_json::Value = serde_json::from_str(told.data()).unwrap();
-    let exact = 3.0 * std::f64::consts::PI * 1e-4;
+    let exact = 3.0 * std::f64::consts::PI;
     let area = told["area"].as_f64().unwrap();
-    // glTF is in metres.
+    assert_eq!(told["units"].as_str(), Some("cm"));
     assert!(
         (0.98..=1.0 + 1e-6).contains(&(area / exact)),
         "{area}, not {exact}"
@@ -179,11 +179,11 @@ fn conversions_that_cannot_be_are_refused() {
 #[test]
 fn models_import_surfaces_and_curves() {
     let folder = Folder::with_model(MODEL);
-    folder.nappe("build model.nappe.toml -o q.igs").data();
+    folder.nappe("build model.nappe.toml -o q.step").data();
     folder.write(
         "again.nappe.toml",
-        "nappe = 1\nunits = \"mm\"\n[surfaces.wall]\nkind = \"import\"\nfile = \"q.igs\"\n\
-         [curves.rim]\nkind = \"import\"\nfile = \"q.igs\"\n",
+        "nappe = 1\nunits = \"mm\"\n[surfaces.wall]\nkind = \"import\"\nfile = \"q.step\"\n\
+         [curves.rim]\nkind = \"import\"\nfile = \"q.step\"\n",
     );
     let points = |file: &str, of: &str| -> Vec<f64> {
         let run = folder.nappe(&format!("eval {file} {of} --grid 5 --format csv"));
@@ -208,11 +208,11 @@ fn models_import_surfaces_and_curves() {
     assert!((area - exact).abs() < 1e-4 * exact, "{area}, not {exact}");
     folder.write(
         "bad.nappe.toml",
-        "nappe = 1\n[surfaces.wall]\nkind = \"import\"\nfile = \"q.igs\"\nface = 2\n",
+        "nappe = 1\n[surfaces.wall]\nkind = \"import\"\nfile = \"q.step\"\nface = 2\n",
     );
     let run = folder.nappe("check bad.nappe.toml");
     assert!(
-        run.problem().contains("q.igs has no face 2"),
+        run.problem().contains("q.step has no face 2"),
         "{}",
         run.stderr
     );
