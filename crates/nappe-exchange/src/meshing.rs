@@ -120,6 +120,12 @@ impl DocumentMesh {
             for v in &mut patch.vertices {
                 v.point += first;
             }
+            let mut shells = body.shells.iter().flat_map(|s| &s.faces);
+            if shells.find(|s| s.0 == face).is_some_and(|s| !s.1) {
+                // The shell takes the face the other way round.
+                patch.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+                patch.vertices.iter_mut().for_each(|v| v.normal = -v.normal);
+            }
             fill_normals(&mesh.points, &mut patch);
             if patch.triangles.is_empty() {
                 if !made.failed.iter().any(|(f, _)| *f == face) {

@@ -22,8 +22,12 @@ pub(crate) fn compare(body: &Body, mesh: &Mesh, what: &str) {
     let mut edges: HashMap<(u32, u32), Meeting> = HashMap::new();
     let (mut area, mut volume) = (0.0, 0.0);
     let middle = body::extent(body).mid();
-    for patch in &mesh.patches {
+    for (face, patch) in mesh.patches.iter().enumerate() {
+        // A shell may take a face the other way round.
+        let mut shells = body.shells.iter().flat_map(|s| &s.faces);
+        let kept = shells.find(|s| s.0 == face).is_none_or(|s| s.1);
         for t in &patch.triangles {
+            let t = if kept { *t } else { [t[0], t[2], t[1]] };
             let ids = t.map(|k| patch.vertices[k as usize].point);
             let [a, b, c] = ids.map(|i| mesh.points[i as usize] - middle);
             let half = (b - a).cross(c - a) / 2.0;
