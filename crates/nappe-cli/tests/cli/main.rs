@@ -7,6 +7,7 @@ mod build;
 mod check;
 mod eval;
 mod examples;
+mod files;
 mod help;
 mod info;
 mod peers;

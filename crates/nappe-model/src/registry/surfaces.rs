@@ -527,6 +527,31 @@ pub const SURFACES: &[Kind] = &[
             ),
         ],
     },
+    Kind {
+        name: "import",
+        doc: "the surface of a face in a file of another system, with the normal of the face: u and v are exchanged if \
+              that is not the surface's own",
+        keys: &[
+            key(
+                "file",
+                Text,
+                Required,
+                "the file, relative to the model's; its unit is converted",
+            ),
+            key(
+                "face",
+                Either(&[Text, Count(1)]),
+                Optional("the only one"),
+                "its name or its number",
+            ),
+            key(
+                "untrimmed",
+                Bool,
+                Optional("false"),
+                "take the whole surface also where the face is only a part of it",
+            ),
+        ],
+    },
 ];
 
 const FRAME: Shape = Record(&[

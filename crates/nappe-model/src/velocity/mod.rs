@@ -11,6 +11,7 @@ mod surfaces;
 use crate::build::{Builder, Patch, Stop};
 use crate::data::{CurveSource, Datum, Item, Object};
 use crate::diagnostics::Diagnostics;
+use crate::import::Imports;
 use crate::reader::{self, Overrides};
 use crate::{MAX_REFERENCE_DEPTH, Model};
 use nappe::curve::{CurveRef, Isocurve};
@@ -58,26 +59,36 @@ pub fn velocities(
     };
     let mut diags = Diagnostics::new(&model.warnings.file, &model.warnings.text);
     let mut found = None;
-    reader::with_rates(overrides, parameter, &mut diags, |builder, rates| {
-        let mut mover = Mover::new(builder, rates);
-        let curves = model.curves.iter().map(|c| match mover.curve(&c.name) {
-            Ok(None) => Velocity::Still,
-            Ok(Some(v)) => Velocity::Moves(v),
-            Err(why) => Velocity::Unknown(why),
-        });
-        let curves = curves.collect();
-        let surfaces = model.surfaces.iter().map(|s| match mover.surface(&s.name) {
-            Ok(None) => Velocity::Still,
-            Ok(Some(v)) => Velocity::Moves(v),
-            Err(why) => Velocity::Unknown(why),
-        });
-        found = Some(Velocities {
-            parameter: parameter.to_owned(),
-            value: known.value,
-            surfaces: surfaces.collect(),
-            curves,
-        });
-    });
+    let imports = Imports {
+        importer: model.importer.clone(),
+        units: model.units,
+    };
+    reader::with_rates(
+        overrides,
+        imports,
+        parameter,
+        &mut diags,
+        |builder, rates| {
+            let mut mover = Mover::new(builder, rates);
+            let curves = model.curves.iter().map(|c| match mover.curve(&c.name) {
+                Ok(None) => Velocity::Still,
+                Ok(Some(v)) => Velocity::Moves(v),
+                Err(why) => Velocity::Unknown(why),
+            });
+            let curves = curves.collect();
+            let surfaces = model.surfaces.iter().map(|s| match mover.surface(&s.name) {
+                Ok(None) => Velocity::Still,
+                Ok(Some(v)) => Velocity::Moves(v),
+                Err(why) => Velocity::Unknown(why),
+            });
+            found = Some(Velocities {
+                parameter: parameter.to_owned(),
+                value: known.value,
+                surfaces: surfaces.collect(),
+                curves,
+            });
+        },
+    );
     diags.sort();
     match found {
         Some(found) if !diags.has_errors() => Ok(found),
