@@ -77,7 +77,6 @@ fn a_sphere_grows_by_its_radius() {
             let rate = area(&parts);
             is(rate.area, 8.0 * PI * r, 8.0 * PI * r, "area");
             let solid = solid(&parts);
-            is(solid.volume, 4.0 * PI * r * r, 4.0 * PI * r * r, "volume");
             let far = center.len() > 10;
             let way = if far {
                 DVec3::new(1e3, -2e3, 7e3)
@@ -85,6 +84,9 @@ fn a_sphere_grows_by_its_radius() {
                 DVec3::ZERO
             };
             let scale = if far { 7e3 } else { 1.0 };
+            // The accuracy aimed at is relative to the greatest speed.
+            let sphere = 4.0 * PI * r * r;
+            is(solid.volume, sphere, sphere * scale, "volume");
             for k in 0..3 {
                 is(
                     rate.centroid.unwrap()[k],
