@@ -110,7 +110,7 @@ fn a_sphere_grows_by_its_radius() {
             for i in 0..3 {
                 for j in 0..3 {
                     let want_ij = if i == j { want } else { 0.0 };
-                    is(inertia[i][j], want_ij, want, "inertia");
+                    is(inertia[i][j], want_ij, want * scale, "inertia");
                 }
             }
             assert_eq!(solid.principal, None);
