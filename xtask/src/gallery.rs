@@ -199,6 +199,13 @@ const CHAPTERS: &[(&str, &[Picture])] = &[
                  the Gaussian curvature of a ring changes its sign.",
             ),
             Picture(
+                "intersection",
+                "intersection.png",
+                "--curves --isolines 0 --azimuth -50 --elevation 35",
+                "Two closed curves in which a pipe meets a ring, each proven to be complete, and the curve in which a spline sheet \
+                 cuts it.",
+            ),
+            Picture(
                 "quadrics",
                 "quadrics-sections.png",
                 "--azimuth 25 --elevation 38 --isolines 0 --silhouettes --sections z:10",

@@ -16,7 +16,7 @@ cargo xtask <task>
   bench [ARGS]     speed beside the limit of memory and other libraries; `--json FILE`, `--page` (docs/performance.md)
   gallery          draw docs/gallery/*.png and docs/gallery.md from examples/
   docs             write docs/model-file.md from the list of kinds and keys
-  fuzz [MINUTES]   feed random model files to the reader (installs cargo-fuzz on first use; default 2 minutes)
+  fuzz [MINUTES]   feed random models and files of other systems to the readers (installs cargo-fuzz on first use; default 2 minutes each)
 ";
 
 /// A task's result: an error is a sentence for the person at the terminal.
@@ -139,14 +139,15 @@ fn fuzz(rest: &[String]) -> Outcome {
         run(&mut cargo(&["install", "--locked", "cargo-fuzz"]))?;
     }
     let seconds = format!("-max_total_time={}", minutes * 60);
-    run(
-        cargo(&["fuzz", "run", "model", "--sanitizer", "none", "--"])
+    for target in ["model", "step", "read"] {
+        run(cargo(&["fuzz", "run", target, "--sanitizer", "none", "--"])
             .args([
                 seconds.as_str(),
                 "-max_len=4096",
                 "-timeout=20",
                 "-rss_limit_mb=4096",
             ])
-            .env("RUSTC_BOOTSTRAP", "1"),
-    )
+            .env("RUSTC_BOOTSTRAP", "1"))?;
+    }
+    Ok(())
 }

@@ -4,12 +4,18 @@ use crate::failure::Failure;
 use crate::fault;
 use crate::screen::Screen;
 use crate::slits::JOINED;
-use nappe::exact::{ApproximationError, to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
+use crate::text::bound;
+use nappe::body::sew;
+use nappe::exact::{
+    ApproximationError, SharedSide, to_nurbs_or_approximate_curve, to_nurbs_together,
+};
 use nappe::measure::{Curvature, curvature, unbounded_curvature};
 use nappe::mesh::{Certainty, Mesh, MeshError, MeshOptions, MeshPatch, flatten, mesh};
 use nappe::surface::{Normal, SurfaceRef, normal_at};
 use nappe::{DVec3, Interval, Limit};
-use nappe_exchange::{Exact, ExactForm, Field, Part, Polyline, Scene};
+use nappe_exchange::{
+    Document, Exact, ExactForm, FaceStyle, Field, Item, ItemForm, Part, Polyline, Scene,
+};
 use nappe_model::{Model, NamedSurface};
 use std::ops::Range;
 use std::sync::Arc;
@@ -132,6 +138,41 @@ pub(crate) fn scene(
     })
 }
 
+/// What the model puts out as exact shapes: all surfaces sewn to one body, and the curves. Sides are one if the mesh would
+/// join them.
+pub(crate) fn document(model: &Model, tolerance: f64) -> Document {
+    let named: Vec<&NamedSurface> = model.output().collect();
+    let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
+    let mut items = Vec::new();
+    if !surfaces.is_empty() {
+        let sewn = sew(&surfaces, JOINED * tolerance);
+        let face = |s: &&NamedSurface| FaceStyle {
+            name: s.name.clone(),
+            colour: None,
+        };
+        items.push(Item {
+            name: model.title.clone(),
+            colour: None,
+            form: ItemForm::Body {
+                body: sewn.body,
+                faces: named.iter().map(face).collect(),
+            },
+        });
+    }
+    let curves = model.curves.iter().filter(|c| !c.construction_only);
+    items.extend(curves.map(|c| Item {
+        name: c.name.clone(),
+        colour: None,
+        form: ItemForm::Curve(c.curve.clone()),
+    }));
+    Document {
+        name: Some(model.title.clone()),
+        units: model.units,
+        items,
+        ..Document::default()
+    }
+}
+
 /// A scene for a picture, whose mesh has a tolerance far below a pixel: surfaces so small that the mesh takes them for one
 /// point or line are left out, as long as others remain; and the names of these. They have an empty patch.
 pub(crate) fn visible(
@@ -188,8 +229,12 @@ pub(crate) fn visible(
     Ok((scene, left_out))
 }
 
-/// The NURBS forms of everything that the model puts out: exact where there is one, else within the tolerance.
-pub(crate) fn exact(model: &Model, tolerance: f64) -> Result<Vec<Exact>, Failure> {
+/// The NURBS forms of everything that the model puts out: exact where there is one, else within the tolerance, with common
+/// curves where surfaces share sides; and a note where that was not possible.
+pub(crate) fn exact(
+    model: &Model,
+    tolerance: f64,
+) -> Result<(Vec<Exact>, Option<String>), Failure> {
     let refused = |what: &str, name: &str, place: &Range<usize>, e: ApproximationError| {
         let message = format!("{what} `{name}` has no NURBS form: {e}");
         let help = "leave it out of a .json file with construction_only = true";
@@ -207,9 +252,11 @@ pub(crate) fn exact(model: &Model, tolerance: f64) -> Result<Vec<Exact>, Failure
             same_parameters: form.same_parameters,
         });
     }
-    for s in model.output() {
-        let form = to_nurbs_or_approximate(s.surface.as_ref(), tolerance)
-            .map_err(|e| refused("surface", &s.name, &s.place, e))?;
+    let named: Vec<&NamedSurface> = model.output().collect();
+    let surfaces: Vec<SurfaceRef> = named.iter().map(|s| s.surface.clone()).collect();
+    let (forms, shared) = to_nurbs_together(&surfaces, tolerance, JOINED * tolerance)
+        .map_err(|(i, e)| refused("surface", &named[i].name, &named[i].place, e))?;
+    for (s, form) in named.iter().zip(forms) {
         all.push(Exact {
             name: s.name.clone(),
             kind: s.kind.to_owned(),
@@ -218,7 +265,41 @@ pub(crate) fn exact(model: &Model, tolerance: f64) -> Result<Vec<Exact>, Failure
             same_parameters: form.same_parameters,
         });
     }
-    Ok(all)
+    Ok((all, apart(model, &named, &shared, tolerance)))
+}
+
+/// Gaps below this part of the tolerance are rounding.
+const NO_GAP: f64 = 1e-6;
+
+/// Where the forms of surfaces that share sides are apart, in words.
+fn apart(
+    model: &Model,
+    named: &[&NamedSurface],
+    shared: &[SharedSide],
+    tolerance: f64,
+) -> Option<String> {
+    let gaps = shared.iter().filter(|s| s.gap.error() > NO_GAP * tolerance);
+    let greatest = gaps
+        .clone()
+        .max_by(|a, b| a.gap.error().total_cmp(&b.gap.error()))?;
+    let [a, b] = greatest
+        .sides
+        .map(|(i, side)| format!("{}.{side}", named[i].name));
+    let proven = match greatest.gap {
+        Certainty::Estimated(_) => "estimated",
+        _ => "proven",
+    };
+    let more = match gaps.count() {
+        1 => String::new(),
+        n => format!(", and less along {} more", n - 1),
+    };
+    Some(format!(
+        "note: the NURBS forms of {a} and {b} are at most {} {} apart ({proven}){more}: at least one is approximated, and could \
+         not take the curve of the other within the tolerance\n  help: let both sides run at the same parameters, or set a \
+         smaller tolerance",
+        bound(greatest.gap.error(), 2),
+        model.units.symbol()
+    ))
 }
 
 /// Which curvature of a surface.

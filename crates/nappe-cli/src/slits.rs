@@ -60,11 +60,6 @@ impl<'a> Partial<'a> {
         }
     }
 
-    /// The pairs of sides.
-    pub(crate) fn pairs(&self) -> impl Iterator<Item = [(usize, Side); 2]> {
-        self.found.iter().map(|j| [j.along, j.part])
-    }
-
     /// How smoothly the sides meet along each stretch.
     pub(crate) fn measured(&self) -> Vec<Stretch> {
         let joints = self.found.iter().enumerate();
@@ -88,15 +83,9 @@ impl<'a> Partial<'a> {
         stretches.par_iter().map(measure).collect()
     }
 
-    /// A stretch in words: the sides, and the range of the parameter along the first.
-    pub(crate) fn place(&self, s: &Stretch) -> [String; 2] {
-        let [along, part] = s.sides.map(|side| self.name(side));
-        let Interval { lo, hi } = s.ranges[0];
-        let letter = s.sides[0].1.along();
-        [
-            format!("{along} – {part}"),
-            format!("{letter} from {} to {}", number(lo, 6), number(hi, 6)),
-        ]
+    /// The names of two sides.
+    pub(crate) fn names(&self, sides: [(usize, Side); 2]) -> String {
+        sides.map(|side| self.name(side)).join(" – ")
     }
 
     fn name(&self, side: (usize, Side)) -> String {

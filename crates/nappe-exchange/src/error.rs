@@ -68,6 +68,14 @@ pub enum ExchangeError {
         /// What the format holds.
         what: &'static str,
     },
+    /// A shape cannot be written.
+    #[error("{}: {why}", path.display())]
+    Shape {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
     /// The format's counters are too narrow for the scene.
     #[error("{}: {count} {what} are more than the {limit} that a {format} file can hold; use a larger tolerance or another format", path.display())]
     TooLarge {

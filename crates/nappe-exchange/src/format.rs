@@ -23,6 +23,10 @@ pub enum Format {
     Vtu,
     /// The exact NURBS curves and surfaces.
     Json,
+    /// STEP, ISO 10303-21: exact surfaces as bodies. Also `.stp`.
+    Step,
+    /// IGES 5.3: exact NURBS surfaces, trimmed or as bodies. Also `.iges`.
+    Iges,
     /// A picture of pixels.
     Png,
     /// A picture of vectors.
@@ -31,7 +35,7 @@ pub enum Format {
 
 impl Format {
     /// All formats.
-    pub const ALL: [Format; 10] = [
+    pub const ALL: [Format; 12] = [
         Format::Glb,
         Format::Gltf,
         Format::Stl,
@@ -40,6 +44,8 @@ impl Format {
         Format::ThreeMf,
         Format::Vtu,
         Format::Json,
+        Format::Step,
+        Format::Iges,
         Format::Png,
         Format::Svg,
     ];
@@ -55,14 +61,33 @@ impl Format {
             Format::ThreeMf => "3mf",
             Format::Vtu => "vtu",
             Format::Json => "json",
+            Format::Step => "step",
+            Format::Iges => "igs",
             Format::Png => "png",
             Format::Svg => "svg",
         }
     }
 
+    /// Whether it holds exact shapes as bodies.
+    pub fn is_exact(self) -> bool {
+        matches!(self, Format::Step | Format::Iges)
+    }
+
+    /// Another ending of the format.
+    fn other_ending(self) -> Option<&'static str> {
+        match self {
+            Format::Step => Some("stp"),
+            Format::Iges => Some("iges"),
+            _ => None,
+        }
+    }
+
     /// Whether it holds a mesh, as opposed to exact geometry or a picture.
     pub fn is_mesh(self) -> bool {
-        !matches!(self, Format::Json | Format::Png | Format::Svg)
+        !matches!(
+            self,
+            Format::Json | Format::Step | Format::Iges | Format::Png | Format::Svg
+        )
     }
 
     /// All endings as a list for messages: `.glb .gltf …`.
@@ -81,7 +106,7 @@ impl Format {
             .unwrap_or_default();
         Format::ALL
             .into_iter()
-            .find(|f| f.ending() == ending)
+            .find(|f| f.ending() == ending || f.other_ending() == Some(&ending))
             .ok_or_else(|| ExchangeError::UnknownEnding {
                 path: path.to_owned(),
                 nearest: nearest(&ending),
@@ -164,7 +189,7 @@ mod tests {
             );
             assert!(
                 e.to_string()
-                    .contains(".glb .gltf .stl .obj .ply .3mf .vtu .json .png .svg"),
+                    .contains(".glb .gltf .stl .obj .ply .3mf .vtu .json .step .igs .png .svg"),
                 "{e}"
             );
         }

@@ -12,6 +12,9 @@ pub struct WriteOptions<'a> {
     pub progress: Progress<'a>,
     /// How `.png` and `.svg` are drawn.
     pub picture: PictureOptions,
+    /// How far a curve or surface that has no exact form may be from what stands for it in `.step`; by default a
+    /// thousandth of a millimetre.
+    pub tolerance: Option<f64>,
 }
 
 /// Somebody to tell how far a long work is; by default nobody.

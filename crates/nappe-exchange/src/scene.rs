@@ -1,5 +1,6 @@
 //! What is written: a mesh with names and colours, and what goes with it.
 
+use crate::document::Document;
 use crate::error::SceneError;
 use glam::DVec3;
 use nappe::Units;
@@ -109,6 +110,8 @@ pub struct Scene {
     pub fields: Vec<Field>,
     /// The exact curves and surfaces, for `.json`.
     pub exact: Vec<Exact>,
+    /// The exact surfaces as bodies, for `.step`.
+    pub document: Document,
 }
 
 impl Scene {

@@ -3,9 +3,11 @@
 use crate::atomic::write_atomically;
 use crate::error::ExchangeError;
 use crate::format::Format;
+use crate::iges::{self, IgesOptions};
 use crate::render::Picture;
 use crate::report::{Tally, Ticker, WriteOptions, WriteReport};
 use crate::scene::Scene;
+use crate::step::{self, Schema, StepOptions};
 use crate::{gltf, json, obj, ply, stl, threemf, vtu};
 use nappe::mesh::Certainty;
 use std::io::{Seek, Write};
@@ -43,6 +45,9 @@ pub fn write(
             what: "exact curves or surfaces",
         });
     }
+    if format.is_exact() {
+        return exact(path, format, scene, options);
+    }
     check_limits(path, format, scene)?;
     if matches!(format, Format::Png | Format::Svg) {
         return Picture::new(scene, options.picture.clone()).write(path, options.progress);
@@ -62,6 +67,52 @@ pub fn write(
     })?;
     options.progress.tell(1.0);
     Ok(report(path, format, scene, tally))
+}
+
+/// How far stand-ins for what has no exact form may be, metres, if nothing is said.
+const CLOSE: f64 = 1e-6;
+
+/// A file of exact shapes.
+fn exact(
+    path: &Path,
+    format: Format,
+    scene: &Scene,
+    options: &WriteOptions<'_>,
+) -> Result<WriteReport, ExchangeError> {
+    let close = CLOSE / scene.document.units.metres();
+    let tolerance = options.tolerance.unwrap_or(close);
+    let (approximated, certainty) = if format == Format::Iges {
+        let trimmed = true;
+        let iges = IgesOptions { tolerance, trimmed };
+        let written = iges::write(path, &scene.document, &iges)?;
+        (written.approximated, written.certainty)
+    } else {
+        let step = StepOptions {
+            schema: Schema::default(),
+            tolerance,
+        };
+        let written = step::write(path, &scene.document, &step)?;
+        (written.approximated, written.certainty)
+    };
+    options.progress.tell(1.0);
+    let mut notes = Vec::new();
+    if approximated > 0 {
+        notes.push(format!(
+            "{} surfaces have no exact form that the format holds and are approximated.",
+            approximated
+        ));
+    }
+    Ok(WriteReport {
+        path: path.to_owned(),
+        format,
+        bytes: std::fs::metadata(path).map_or(0, |m| m.len()),
+        triangles: 0,
+        dropped_degenerate: 0,
+        kept_slivers: 0,
+        rounding: 0.0,
+        deviation: certainty,
+        notes,
+    })
 }
 
 /// The counters of STL and GLB have 32 bits.

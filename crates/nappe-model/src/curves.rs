@@ -137,6 +137,7 @@ impl Builder<'_> {
                 self.curve_result(o, Isocurve::new(surface, along, at))
             }
             "trace" | "section" | "silhouette" | "isophote" | "isocurvature" => self.traced(o),
+            "intersection" => self.intersection(o),
             "side" => match f.get("side").map(|i| i.datum.clone()) {
                 Some(Datum::Side(side)) => self.side(&side, &o.label, &f.place("side", &[])),
                 _ => Err(Stop::Reported),

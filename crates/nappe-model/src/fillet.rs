@@ -10,7 +10,7 @@ impl Builder<'_> {
     pub(crate) fn fillet(&mut self, o: &Object) -> Built<Vec<Patch>> {
         let f = &o.fields;
         let radius = self.radius(o);
-        let supports = self.supports(o);
+        let supports = self.two_surfaces(o, "between");
         let options = FilletOptions {
             side: f.list("side").and_then(|l| match l {
                 [a, b] => Some([a, b].map(|i| matches!(&i.datum, Datum::Text(t) if t == "front"))),
@@ -28,10 +28,10 @@ impl Builder<'_> {
         Ok(Patch::one(Arc::new(fillet)))
     }
 
-    /// The two surfaces, both tried so that all faults are said.
-    fn supports(&mut self, o: &Object) -> Built<[SurfaceRef; 2]> {
-        let items: Vec<Item> = need(o.fields.list("between"))?.to_vec();
-        let label = format!("{}, `between`", o.label);
+    /// The two surfaces that a key names, both tried so that all faults are said.
+    pub(crate) fn two_surfaces(&mut self, o: &Object, key: &str) -> Built<[SurfaceRef; 2]> {
+        let items: Vec<Item> = need(o.fields.list(key))?.to_vec();
+        let label = format!("{}, `{key}`", o.label);
         let found: Vec<Built<SurfaceRef>> = items
             .iter()
             .map(|i| match &i.datum {
@@ -78,6 +78,11 @@ impl Builder<'_> {
                 "write near = [x, y, z], a point near the fillet that is meant",
             ),
             FilletError::CutsIn { .. } => ("radius", vec![], "lower the radius"),
+            FilletError::CutsThrough { index, .. } => (
+                "between",
+                vec![*index],
+                "take only the part of the surface beside the fillet, or lower the radius",
+            ),
             FilletError::Lost { .. } | FilletError::Unproven { .. } | FilletError::Guide(_) => (
                 "between",
                 vec![],

@@ -4,15 +4,16 @@ use crate::build::{Builder, Built, Stop};
 use crate::curves::need;
 use crate::data::{Datum, Object};
 use crate::diagnostics::Diagnostic;
-use nappe::Certainty;
 use nappe::curve::CurveRef;
 use nappe::measure::CurvatureKind;
 use nappe::query::{
-    Branch, ExpressionField, Field, Figure, FigureError, SurfaceField, Trace, TraceError,
-    TraceOptions, trace,
+    Branch, ExpressionField, Field, Figure, FigureError, IntersectOptions, SurfaceCurve,
+    SurfaceField, TraceError, TraceOptions, intersect_surfaces, trace,
 };
 use nappe::significant;
 use nappe::surface::SurfaceRef;
+use nappe::{Certainty, Interval};
+use std::fmt::Display;
 
 /// Branches listed in a message.
 const LISTED: usize = 8;
@@ -31,47 +32,86 @@ impl Builder<'_> {
             Ok(found) => found,
             Err(e) => return Err(self.trace_error(o, &e)),
         };
-        for place in found.undecided.iter().take(LISTED) {
-            let message = format!("{}: not decided at {place}", o.label);
-            let help =
-                "what is drawn is proven elsewhere; move the curve a little to avoid such places";
+        self.not_decided(
+            o,
+            &found.undecided,
+            "move the curve a little to avoid such places",
+        );
+        let told: Vec<String> = found.branches.iter().map(told).collect();
+        let k = self.branch(o, &told, found.undecided.first(), "on the surface")?;
+        let branch = &found.branches[k];
+        self.far(o, branch.certainty, found.tol);
+        Ok(branch.curve())
+    }
+
+    /// Builds one branch of the curve in which two surfaces meet.
+    pub(crate) fn intersection(&mut self, o: &Object) -> Built<CurveRef> {
+        let [a, b] = self.two_surfaces(o, "surfaces")?;
+        let options = IntersectOptions {
+            tol: o.fields.number("tolerance"),
+            ..IntersectOptions::default()
+        };
+        let found = match intersect_surfaces(&a, &b, &options) {
+            Ok(found) => found,
+            Err(e) => {
+                return Err(self.refuse(o, ("tolerance", &[]), e, "write a number greater than 0"));
+            }
+        };
+        self.not_decided(
+            o,
+            &found.undecided,
+            "move a surface a little to avoid such places",
+        );
+        let range = |c: &SurfaceCurve| (c.bounds(0), c.is_closed());
+        let told: Vec<String> = found.branches.iter().map(|c| told_in(range(c))).collect();
+        let k = self.branch(o, &told, found.undecided.first(), "of the two surfaces")?;
+        let branch = &found.branches[k];
+        self.far(o, branch.certainty, found.tol);
+        Ok(branch.curve())
+    }
+
+    /// Warns of places that are not decided.
+    fn not_decided<T: Display>(&mut self, o: &Object, places: &[T], remedy: &str) {
+        let mut warn = |message: String, help: String| {
             self.diags.push(
                 Diagnostic::new("not-proven", message)
                     .at(o.fields.place("", &[]), o.kind.name)
                     .help(help)
                     .warning(),
             );
-        }
-        if found.undecided.len() > LISTED {
-            let more = found.undecided.len() - LISTED;
-            let message = format!("{}: {more} more places are not decided", o.label);
-            self.diags.push(
-                Diagnostic::new("not-proven", message)
-                    .at(o.fields.place("", &[]), o.kind.name)
-                    .help("move the curve a little to avoid such places")
-                    .warning(),
+        };
+        for place in places.iter().take(LISTED) {
+            let message = format!("{}: not decided at {place}", o.label);
+            warn(
+                message,
+                format!("what is drawn is proven elsewhere; {remedy}"),
             );
         }
-        let branch = self.branch(o, &found)?;
-        let far = match branch.certainty {
-            Certainty::Estimated(_) => Some("not bounded".to_owned()),
-            c if c.error() > found.tol => Some(format!(
+        if places.len() > LISTED {
+            let more = places.len() - LISTED;
+            let message = format!("{}: {more} more places are not decided", o.label);
+            warn(message, remedy.to_owned());
+        }
+    }
+
+    /// Warns of a curve that is not proven to be within the tolerance.
+    fn far(&mut self, o: &Object, certainty: Certainty, tol: f64) {
+        let far = match certainty {
+            Certainty::Estimated(_) => "not bounded".to_owned(),
+            c if c.error() > tol => format!(
                 "bounded by {} only, more than the tolerance {}",
                 significant(c.error(), 3),
-                significant(found.tol, 3)
-            )),
-            _ => None,
+                significant(tol, 3)
+            ),
+            _ => return,
         };
-        if let Some(far) = far {
-            let message = format!("{}: its distance from the exact curve is {far}", o.label);
-            self.diags.push(
-                Diagnostic::new("not-proven", message)
-                    .at(o.fields.place("", &[]), o.kind.name)
-                    .help("choose a larger tolerance")
-                    .warning(),
-            );
-        }
-        Ok(branch.curve())
+        let message = format!("{}: its distance from the exact curve is {far}", o.label);
+        self.diags.push(
+            Diagnostic::new("not-proven", message)
+                .at(o.fields.place("", &[]), o.kind.name)
+                .help("choose a larger tolerance")
+                .warning(),
+        );
     }
 
     fn field(&mut self, o: &Object, surface: &SurfaceRef) -> Built<Box<dyn Field>> {
@@ -137,14 +177,20 @@ impl Builder<'_> {
         self.refuse(o, (key, &[]), e, help)
     }
 
-    /// The branch that is asked for, or the only one.
-    fn branch<'t>(&mut self, o: &Object, found: &'t Trace) -> Built<&'t Branch> {
-        let n = found.branches.len();
+    /// The number of the branch that is asked for, or of the only one, from 0. `told` says where each is.
+    fn branch<T: Display>(
+        &mut self,
+        o: &Object,
+        told: &[String],
+        undecided: Option<&T>,
+        whose: &str,
+    ) -> Built<usize> {
+        let n = told.len();
         let asked = o.fields.number("branch").map(|k| k as usize);
         if n == 0 {
-            let message = match found.undecided.first() {
+            let message = match undecided {
                 Some(place) => format!("no curve is proven to be there; not decided: {place}"),
-                None => "there is no such curve on the surface".to_owned(),
+                None => format!("there is no such curve {whose}"),
             };
             return Err(self.refuse(
                 o,
@@ -154,16 +200,14 @@ impl Builder<'_> {
             ));
         }
         match asked {
-            None if n == 1 => return Ok(&found.branches[0]),
-            Some(k) if (1..=n).contains(&k) => return Ok(&found.branches[k - 1]),
+            None if n == 1 => return Ok(0),
+            Some(k) if (1..=n).contains(&k) => return Ok(k - 1),
             _ => {}
         }
-        let listed: Vec<String> = found
-            .branches
-            .iter()
+        let listed: Vec<String> = (1..)
+            .zip(told)
             .take(LISTED)
-            .enumerate()
-            .map(told)
+            .map(|(k, t)| format!("{k} {t}"))
             .collect();
         let more = if n > LISTED { ", …" } else { "" };
         let what = match asked {
@@ -180,13 +224,16 @@ impl Builder<'_> {
 }
 
 /// Where a branch is.
-fn told((k, branch): (usize, &Branch)) -> String {
-    let [u, v] = branch.bounds();
-    let closed = if branch.is_closed() { ", closed" } else { "" };
+fn told(branch: &Branch) -> String {
+    told_in((branch.bounds(), branch.is_closed()))
+}
+
+/// The same from its ranges of parameters, and whether it is closed.
+fn told_in(([u, v], closed): ([Interval; 2], bool)) -> String {
+    let closed = if closed { ", closed" } else { "" };
     let number = |x: f64| significant(x, 3);
     format!(
-        "{} in u {} to {}, v {} to {}{closed}",
-        k + 1,
+        "in u {} to {}, v {} to {}{closed}",
         number(u.lo),
         number(u.hi),
         number(v.lo),

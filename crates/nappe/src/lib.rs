@@ -52,6 +52,7 @@
 //! * [`curve`]: the trait [`Curve`] and its kinds; [`basis`]: lists of functions of one variable.
 //! * [`surface`]: the trait [`Surface`], the separable engine [`Separable`] and the kinds built on it.
 //! * [`exact`]: NURBS curves and surfaces, their tools, conversion and approximation.
+//! * [`body`]: faces that share edges, as other systems exchange them.
 //! * [`mesh`](mod@mesh): certified triangles. [`measure`]: area, volume, curvature, continuity, each with its error.
 //! * [`query`]: nearest points, with proofs.
 //! * [`velocity`]: how curves and surfaces move with a number that they are made of.
@@ -64,6 +65,7 @@
 //! panics on data: what is wrong is a typed error with the place and the numbers.
 
 pub mod basis;
+pub mod body;
 pub mod curve;
 pub mod exact;
 pub mod expr;

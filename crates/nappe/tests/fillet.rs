@@ -53,6 +53,7 @@ fn distance(s: &dyn Surface, p: DVec3) -> f64 {
         Elementary::Cylinder { axis, radius, .. } => {
             axis.coordinates(p).truncate().length() - radius
         }
+        other => panic!("no formula for {other:?}"),
     }
 }
 

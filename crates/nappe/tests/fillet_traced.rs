@@ -477,14 +477,15 @@ fn a_ball_that_does_not_fit_is_refused_with_the_place() {
     let inside = sides([true, false]);
     let supports = [floor, tube];
     traced(&supports, Radius::Constant(1.0), inside);
+    // Beyond the axis a larger ball would touch it as well, from the wrong side of its curvature.
     let e = refused(&supports, Radius::Constant(2.5), inside);
-    let FilletError::NoBall {
-        fits: Some((r, _)), ..
+    let FilletError::CutsIn {
+        index: 1, largest, ..
     } = e
     else {
         panic!("{e}")
     };
-    assert!((1.98..=2.0).contains(&r), "{r}");
+    assert!((largest - 2.0).abs() < 1e-9, "{largest}");
     // Inside an elliptic one, whose radius of curvature is 0.5 at the ends of its long axis.
     let oval = quadric(
         QuadricShape::Cylinder,
@@ -578,5 +579,88 @@ fn bad_input_is_named() {
     ] {
         let e = refused(&pair, Radius::Constant(0.3), Default::default());
         assert!(!e.to_string().is_empty());
+    }
+}
+
+/// A sheet swept along x from 0 to 4 over a polygon in (y, z).
+fn folded(polygon: &[[f64; 2]]) -> SurfaceRef {
+    let n = polygon.len();
+    let points: Vec<DVec3> = [0.0, 4.0]
+        .iter()
+        .flat_map(|&x| polygon.iter().map(move |p| v(x, p[0], p[1])))
+        .collect();
+    let inner = (1..n - 1).map(|i| i as f64 / (n - 1) as f64);
+    let knots: Vec<f64> = [0.0, 0.0]
+        .into_iter()
+        .chain(inner)
+        .chain([1.0, 1.0])
+        .collect();
+    let knots = [vec![0.0, 0.0, 1.0, 1.0], knots];
+    Arc::new(NurbsSurface::new([1, 1], knots, &points, None).unwrap())
+}
+
+#[test]
+fn a_ball_that_cuts_through_another_part_is_refused() {
+    // A gutter of width 0.8 beside a wall at y = 0.
+    let supports = [
+        folded(&[[-1.0, 0.0], [0.8, 0.0], [0.8, 2.0]]),
+        plane(v(0.0, 0.0, -1.0), DVec3::Z * 4.0, DVec3::X * 4.0),
+    ];
+    let f = traced(&supports, Radius::Constant(0.35), Default::default());
+    certify(&f, &supports, 4.0);
+    let e = refused(&supports, Radius::Constant(0.5), Default::default());
+    let FilletError::CutsThrough {
+        index,
+        place,
+        radius,
+        depth,
+        ..
+    } = e
+    else {
+        panic!("{e}")
+    };
+    // The centre is at y = 0.5, the far side of the gutter 0.3 from it.
+    assert!(
+        index == 0 && radius == 0.5 && (depth - 0.2).abs() < 1e-3,
+        "{depth}"
+    );
+    assert!((place - v(place.x, 0.5, 0.5)).length() < 1e-9, "{place}");
+}
+
+#[test]
+fn a_small_surface_beside_a_large_one_is_found() {
+    let floor = plane(v(-50.0, -50.0, 0.0), DVec3::X * 100.0, DVec3::Y * 100.0);
+    let frame = Frame::along(v(7.13, -3.37, 0.0), DVec3::Z).unwrap();
+    let pin = quadric(QuadricShape::Cylinder, &[0.2], frame, Some([0.0, 1.0]));
+    for supports in [[floor.clone(), pin.clone()], [pin, floor]] {
+        let f = traced(&supports, Radius::Constant(0.05), Default::default());
+        certify(&f, &supports, 100.0);
+        for i in 0..=8 {
+            let c = frame.coordinates(f.ball(f64::from(i) / 8.0).0);
+            assert!((c.x.hypot(c.y) - 0.25).abs() < 1e-12 && (c.z - 0.05).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_variable_radius_need_fit_only_at_its_own_place() {
+    let floor = plane(v(-5.0, -5.0, 0.0), DVec3::X * 10.0, DVec3::Y * 10.0);
+    // Half of an elliptic tube: the radius of curvature is 0.5 at both ends, 4 in the middle.
+    let options = QuadricOptions {
+        frame: Frame::WORLD,
+        range: [Some([0.0, std::f64::consts::PI]), Some([-4.0, 4.0])],
+    };
+    let tube = Quadric::new(QuadricShape::Cylinder, &[2.0, 1.0], options).unwrap();
+    let supports = [floor, Arc::new(tube) as SurfaceRef];
+    let inside = sides([true, false]);
+    let e = refused(&supports, Radius::Constant(0.6), inside);
+    assert!(matches!(e, FilletError::CutsIn { index: 1, .. }), "{e}");
+    let f = traced(&supports, expression("0.3+0.3*sin(pi*u)"), inside);
+    certify(&f, &supports, 10.0);
+    assert!((f.ball(0.5).1 - 0.6).abs() < 1e-15);
+    for u in [0.0, 1.0] {
+        let (c, r) = f.ball(u);
+        assert!((r - 0.3).abs() < 1e-15, "{r}");
+        assert!((c.x.abs() - 1.7).abs() < 1e-9 && c.y.abs() < 1e-9, "{c}");
     }
 }

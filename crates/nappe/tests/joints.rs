@@ -5,10 +5,10 @@
 use nappe::curve::CurveRef;
 use nappe::exact::{NurbsCurve, NurbsSurface};
 use nappe::measure::{Continuity, JumpOptions, continuity_in_part};
-use nappe::mesh::{PartialJoint, joints, near_joints, partial_joints};
+use nappe::mesh::{PartialJoint, joints, near_joints, partial_joint, partial_joints, sides_apart};
 use nappe::surface::{
-    Construction, Dir, Revolution, RevolutionOptions, Side, SurfaceRef, Transformed, bilinear,
-    ruled,
+    Construction, Dir, Revolution, RevolutionOptions, Side, Surface, SurfaceRef, Transformed,
+    bilinear, ruled,
 };
 use nappe::{DAffine3, DVec3, Frame, Interval};
 use std::f64::consts::{FRAC_PI_4, TAU};
@@ -323,4 +323,47 @@ fn sides_near_open_ones_are_found_and_joined_ones_are_left_alone() {
     // Farther apart than that, they stay open.
     let far = near_joints(&sheets, &joined, 4.0 * WELD);
     assert!(far.joints.is_empty() && far.open == joined.open);
+}
+
+/// Two given sides, at every scale and far from the origin: the part in common is that of the shorter one, the distance
+/// that is asked for need not be small beside the surfaces, and without a common part the distances are those of geometry.
+#[test]
+fn two_given_sides() {
+    for scale in [1e-6, 1.0, 1e6] {
+        for far in [0.0, 1e5] {
+            let placed = |x: f64, y: f64, width: f64, depth: f64| {
+                let to = DAffine3::from_translation(DVec3::splat(far * scale))
+                    * DAffine3::from_scale(DVec3::splat(scale));
+                Transformed::new(rectangle(x, y, width, depth), to).unwrap()
+            };
+            let long = placed(0.0, 0.0, 9.0, 1.0);
+            let short = placed(2.0, 1.25, 4.0, 1.0);
+            let (north, south) = (
+                (&long as &dyn Surface, Side::North),
+                (&short as &dyn Surface, Side::South),
+            );
+            let rounding = (1e-12 + 1e-15 * far) * scale;
+            for (a, b, own) in [(north, south, 1), (south, north, 0)] {
+                let joint = partial_joint(a, b, 0.3 * scale).unwrap();
+                assert_eq!((joint.part.0, joint.along.0), (own, 1 - own));
+                assert_eq!((joint.range.lo, joint.range.hi), (0.0, 1.0));
+                let partners = joint.partners.map(|t| 9.0 * t);
+                for (t, x) in partners.into_iter().zip([2.0, 6.0]) {
+                    assert!((t - x).abs() <= 1e-6, "{t} {x}");
+                }
+                assert!(partial_joint(a, b, 0.2 * scale).is_none());
+                // The short side is 0.25 away all along; the long one more, but that is not what keeps them apart.
+                for distance in sides_apart(a, b) {
+                    assert!((distance - 0.25 * scale).abs() <= rounding, "{distance}");
+                }
+            }
+            // From x = 0 … 9 at y = 0 to x = 2 … 6 at y = 2.25.
+            let apart = sides_apart((&long, Side::South), (&short, Side::North));
+            assert!(apart.iter().all(|d| (d - 2.25 * scale).abs() <= rounding));
+            // A side that stands off: from 0.25 at its near end to 1.25.
+            let apart = sides_apart(north, (&short, Side::West));
+            assert!((apart[0] - 0.25 * scale).abs() <= rounding, "{apart:?}");
+            assert!((apart[1] - 1.25 * scale).abs() <= rounding, "{apart:?}");
+        }
+    }
 }

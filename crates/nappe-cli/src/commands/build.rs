@@ -1,6 +1,6 @@
 //! `nappe build`.
 
-use crate::failure::{Failure, Problem};
+use crate::failure::Failure;
 use crate::model::ModelArgs;
 use crate::scene::Bend;
 use crate::screen::Screen;
@@ -14,7 +14,8 @@ use std::time::Instant;
 /// Build a model and write it: meshes within a proven tolerance, exact surfaces, pictures
 ///
 /// The ending of each file says its format: .glb .gltf .stl .obj .ply .3mf .vtu (meshes), .json (exact NURBS curves and
-/// surfaces), .svg .png (pictures). Files are replaced only when the new ones are whole.
+/// surfaces; one curve where surfaces share a side, else a note tells the gap), .step .stp .igs .iges (exact surfaces, sewn along
+/// the sides they share), .svg .png (pictures). Files are replaced only when the new ones are whole.
 ///
 /// Ends with a table: patches, triangles, box, the proven distance between mesh and surfaces, the files, the time; and
 /// with a note for sides that nearly meet, or meet in part, and are not joined.
@@ -48,7 +49,8 @@ impl Args {
         let files = self.files()?;
         let model = self.model.open(screen)?;
         let tolerance = scene::tolerance(&model, self.tolerance);
-        let mut scene = if files.iter().all(|f| f.1 == Format::Json) {
+        let unmeshed = |f: Format| f == Format::Json || f.is_exact();
+        let mut scene = if files.iter().all(|f| unmeshed(f.1)) {
             scene::unmeshed(&model)
         } else {
             let detail = scene::Detail {
@@ -57,8 +59,14 @@ impl Args {
             };
             scene::scene(&model, detail, self.tolerance, screen)?
         };
+        let mut apart_forms = None;
         if files.iter().any(|f| f.1 == Format::Json) {
-            scene.exact = scene::exact(&model, tolerance)?;
+            let (exact, apart) = scene::exact(&model, tolerance)?;
+            scene.exact = exact;
+            apart_forms = apart;
+        }
+        if files.iter().any(|f| f.1.is_exact()) {
+            scene.document = scene::document(&model, tolerance);
         }
         if files.iter().any(|f| f.1 == Format::Vtu) {
             scene.fields = [Bend::Gaussian, Bend::Mean]
@@ -71,6 +79,7 @@ impl Args {
             let tell = |share| progress.tell(share);
             let options = WriteOptions {
                 progress: Progress::to(&tell),
+                tolerance: Some(tolerance),
                 ..WriteOptions::default()
             };
             let report = nappe_exchange::write(path, &scene, &options);
@@ -82,6 +91,9 @@ impl Args {
             for note in slits::notes(&model, tolerance) {
                 screen.note(note);
             }
+        }
+        if let Some(note) = apart_forms {
+            screen.note(note);
         }
         for report in &reports {
             for note in &report.notes {
@@ -105,10 +117,6 @@ impl Args {
                     "{} is to be written twice",
                     path.display()
                 )));
-            }
-            if let Some(problem) = not_yet(path) {
-                problems.push(problem);
-                continue;
             }
             match Format::from_path(path)
                 .and_then(|f| nappe_exchange::check_target(path).map(|()| f))
@@ -135,23 +143,6 @@ fn same_file(a: &Path, b: &Path) -> bool {
             .or_else(|| Some(directory.join(p.file_name()?)))
     };
     a == b || whole(a).is_some_and(|a| Some(a) == whole(b))
-}
-
-/// Formats of exact surfaces that people will ask for and that are not there: to say so is kinder than a near name.
-fn not_yet(path: &Path) -> Option<Problem> {
-    let ending = path.extension()?.to_string_lossy().to_ascii_lowercase();
-    ["step", "stp", "iges", "igs"]
-        .contains(&ending.as_str())
-        .then(|| {
-            Problem::new(format!(
-                "{}: .{ending} files cannot be written yet",
-                path.display()
-            ))
-            .help(format!(
-                ".json holds the exact NURBS; all endings are {}",
-                Format::endings()
-            ))
-        })
 }
 
 /// `a/duct.glb` for `a/duct.nappe.toml`.

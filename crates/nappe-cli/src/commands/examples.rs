@@ -63,6 +63,7 @@ const EXAMPLES: &[Example] = bundled![
     "fillet-pipes",
     "fillet-planes",
     "hermite",
+    "intersection",
     "quadrics",
     "rational-basis",
     "revolution-chashnikov",

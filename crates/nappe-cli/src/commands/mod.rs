@@ -3,10 +3,12 @@
 mod build;
 mod check;
 mod completions;
+mod convert;
 mod eval;
 mod examples;
 mod figures;
 mod info;
+mod intersect;
 mod project;
 mod rates;
 mod render;
@@ -24,9 +26,11 @@ pub(crate) enum Command {
     Build(build::Args),
     Eval(eval::Args),
     Info(info::Args),
+    Intersect(intersect::Args),
     Check(check::Args),
     Project(project::Args),
     Render(render::Args),
+    Convert(convert::Args),
     Schema(schema::Args),
     Examples(examples::Args),
     Completions(completions::Args),
@@ -39,9 +43,11 @@ impl Command {
             Command::Build(args) => args.run(screen),
             Command::Eval(args) => args.run(screen),
             Command::Info(args) => args.run(screen),
+            Command::Intersect(args) => args.run(screen),
             Command::Check(args) => args.run(screen),
             Command::Project(args) => args.run(screen),
             Command::Render(args) => args.run(screen),
+            Command::Convert(args) => args.run(screen),
             Command::Schema(args) => args.run(),
             Command::Examples(args) => args.run(screen),
             Command::Completions(args) => args.run(),

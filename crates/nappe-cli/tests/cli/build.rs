@@ -181,8 +181,7 @@ fn objects_for_construction_only_are_not_put_out() {
 fn outputs_that_cannot_be_are_told_before_anything_is_built() {
     // The model is wrong too, but the outputs come first.
     let folder = Folder::with_model("[surfaces.a]\nkind = 'nothing'\n");
-    let run = folder
-        .nappe("build model.nappe.toml -o out.slt -o out.step -o none/out.glb -o . -o good.glb");
+    let run = folder.nappe("build model.nappe.toml -o out.slt -o none/out.glb -o . -o good.glb");
     assert_snapshot!(run.problem());
     assert_eq!(folder.names(), ["model.nappe.toml"]);
     assert_eq!(
@@ -318,6 +317,90 @@ fn sides_that_meet_in_part_are_noted_with_the_place_to_split() {
     assert_eq!(b["to"], serde_json::json!([1.0, 1.0, 0.0]));
 }
 
+/// Three strips along each other, bent; the last runs along its sides with other parameters.
+const STRIPS: &str = r#"
+tolerance = 0.001
+[curves.a]
+kind = "expression"
+x = "t"
+y = "0"
+z = "sin(3*t)"
+construction_only = true
+[curves.b]
+kind = "expression"
+x = "t"
+y = "1"
+z = "sin(3*t)"
+construction_only = true
+[curves.c]
+kind = "expression"
+x = "t"
+y = "2"
+z = "cos(5*t)"
+construction_only = true
+[surfaces.one]
+kind = "ruled"
+south = "a"
+north = "b"
+[surfaces.two]
+kind = "ruled"
+south = "b"
+north = "c"
+"#;
+
+#[test]
+fn exact_files_have_common_curves_where_surfaces_share_sides() {
+    let folder = Folder::with_model(STRIPS);
+    let run = folder.nappe("build model.nappe.toml -o a.json");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(!run.stderr.contains("apart"), "{}", run.stderr);
+    let json: serde_json::Value = serde_json::from_slice(&folder.read("a.json")).unwrap();
+    let of = |k: usize| &json["surfaces"][k];
+    for k in 0..2 {
+        assert!(of(k)["exactness"]["by"].as_f64().unwrap() <= 0.001);
+    }
+    // The second has all knots of the first along the side, and the same points at its ends.
+    let knots = |k: usize| -> Vec<f64> {
+        let all = of(k)["knots_u"].as_array().unwrap().iter();
+        all.map(|x| x.as_f64().unwrap()).collect()
+    };
+    assert!(knots(0).iter().all(|t| knots(1).contains(t)));
+    let ends = |k: usize, first: bool| -> Vec<f64> {
+        let rows = of(k)["points"].as_array().unwrap();
+        let row = if first {
+            &rows[0]
+        } else {
+            &rows[rows.len() - 1]
+        };
+        let columns = row.as_array().unwrap();
+        let point = if k == 0 {
+            &columns[columns.len() - 1]
+        } else {
+            &columns[0]
+        };
+        let point = point.as_array().unwrap().iter();
+        point.map(|x| x.as_f64().unwrap()).collect()
+    };
+    for first in [true, false] {
+        let (p, q) = (ends(0, first), ends(1, first));
+        assert!(
+            p.iter().zip(&q).all(|(x, y)| (x - y).abs() < 1e-14),
+            "{p:?} {q:?}"
+        );
+    }
+    // With other parameters no common curve can be taken over, and that is told.
+    let uneven = STRIPS.replace(
+        "[surfaces.two]",
+        "[curves.d]\nkind = \"expression\"\nx = \"(t+t^2)/2\"\ny = \"1\"\nz = \"sin(1.5*(t+t^2))\"\nconstruction_only = true\n[surfaces.two]",
+    );
+    let folder = Folder::with_model(&uneven.replace("south = \"b\"", "south = \"d\""));
+    let run = folder.nappe("build model.nappe.toml -o a.json");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let text = "note: the NURBS forms of one.north and two.south are at most";
+    assert!(run.stderr.contains(text), "{}", run.stderr);
+    assert!(run.stderr.contains("mm apart (proven)"), "{}", run.stderr);
+}
+
 #[test]
 fn every_refusal_to_write_has_its_remedy() {
     let folder = Folder::with_model(MODEL);
@@ -377,4 +460,42 @@ fn a_negative_tolerance_is_named_as_what_it_is() {
             );
         }
     }
+}
+
+/// A model goes out as IGES, is converted to STEP and back, and meshes go from format to format.
+#[test]
+fn files_are_converted() {
+    let folder = Folder::new();
+    folder.write(
+        "ball.nappe.toml",
+        "nappe = 1\n[surfaces.ball]\nkind = \"quadric\"\nshape = \"sphere\"\nsemi_axes = [2]\n",
+    );
+    folder
+        .nappe("build ball.nappe.toml -o ball.igs -o ball.stl")
+        .data();
+    folder.nappe("convert ball.igs ball.step").data();
+    folder.nappe("convert ball.step again.iges").data();
+    let text = String::from_utf8(folder.read("again.iges")).unwrap();
+    // A solid with one face.
+    let entities = |kind: &str| {
+        let directory = text.lines().filter(|l| l.as_bytes().get(72) == Some(&b'D'));
+        directory
+            .step_by(2)
+            .filter(|l| l[..8].trim() == kind)
+            .count()
+    };
+    assert_eq!(
+        (entities("186"), entities("510"), entities("128")),
+        (1, 1, 1)
+    );
+    folder.nappe("convert ball.stl ball.ply").data();
+    folder.nappe("convert ball.ply ball.3mf").data();
+    let refused = folder.nappe("convert ball.stl ball.igs");
+    assert!(
+        refused.problem().contains("no exact surfaces"),
+        "{}",
+        refused.problem()
+    );
+    let refused = folder.nappe("convert ball.igs ball.xyz");
+    assert!(refused.problem().contains(".xyz"), "{}", refused.problem());
 }

@@ -283,15 +283,131 @@ fn sides_that_meet_in_part_are_measured_along_it() {
     }
 }
 
+/// The claims of a model's only report.
+fn claims_of(model: &str) -> (i32, Vec<serde_json::Value>) {
+    let folder = Folder::with_model(model);
+    let run = folder.nappe("check model.nappe.toml --format json");
+    let json: serde_json::Value = serde_json::from_slice(&run.stdout).unwrap();
+    (run.code, json["checks"].as_array().unwrap().clone())
+}
+
 #[test]
-fn a_claim_of_sides_that_meet_in_part_says_so() {
-    let claim = claim("left.south", "floor.north", "G1", "\"1deg\"");
-    let folder = Folder::with_model(&format!("{IN_PART}{claim}"));
+fn a_claim_of_sides_that_meet_in_part_is_tested_along_that_part() {
+    // Of the second the angle is atan(0.4) = 21.8°, and each is tested along its own part of the long side.
+    let claims = claim("left.south", "floor.north", "G2", "1e-6")
+        + &claim("floor.north", "right.south", "G0", "1e-9")
+        + &claim("floor.north", "right.south", "G1", "\"22deg\"")
+        + &claim("floor.north", "right.south", "G1", "\"21.7deg\"");
+    let (code, found) = claims_of(&format!("{IN_PART}{claims}"));
+    assert_eq!(code, 1);
+    let passes: Vec<bool> = found.iter().map(|c| c["passes"] == true).collect();
+    assert_eq!(passes, [true, true, true, false]);
+    for (c, verdict) in found.iter().zip(["proven", "proven", "proven", "fails"]) {
+        assert_eq!(c["verdict"], verdict);
+        assert_eq!(c["in_part"], true);
+        assert!(c["found"].is_null() && c["sampled_distances"].is_null());
+    }
+    let along = |c: &serde_json::Value, k: usize, end: usize| {
+        c["stretches"][0]["along"][k][end].as_f64().unwrap()
+    };
+    for (c, ranges) in found.iter().zip([
+        [[0.0, 1.0], [0.0, 0.4]],
+        [[0.4, 1.0], [0.0, 1.0]],
+        [[0.4, 1.0], [0.0, 1.0]],
+        [[0.4, 1.0], [0.0, 1.0]],
+    ]) {
+        assert_eq!(c["stretches"].as_array().unwrap().len(), 1);
+        for k in 0..2 {
+            for end in 0..2 {
+                assert!((along(c, k, end) - ranges[k][end]).abs() < 1e-12);
+            }
+        }
+    }
+    let folder = Folder::with_model(&format!("{IN_PART}{claims}"));
     let run = folder.nappe("check model.nappe.toml");
-    assert_eq!(run.code, 1);
     let text = String::from_utf8(run.stdout).unwrap();
     assert!(
-        text.contains("the sides meet in part only  fails"),
+        text.contains("in part, along u from 0 to 1 – u from 0 to 0.4: curvature ≤"),
+        "{text}"
+    );
+    assert!(text.contains("✗ 1 failure"), "{text}");
+}
+
+#[test]
+fn a_claim_in_part_says_how_far_the_sides_are_apart_there() {
+    // The neighbour is 0.003 above the long side, and then 0.3: more than a share of its size, which a mesh would never join.
+    for (up, tolerance, passes) in [
+        (0.003, 0.004, true),
+        (0.003, 0.002, false),
+        (0.3, 0.31, true),
+        (0.3, 0.29, false),
+    ] {
+        let model = format!(
+            r#"
+tolerance = 0.01
+[surfaces.floor]
+kind = "bilinear"
+corners = [[[0, 0, 0], [0, 2, 0]], [[9, 0, 0], [9, 2, 0]]]
+[surfaces.left]
+kind = "bilinear"
+corners = [[[0, 2, {up}], [0, 3, {up}]], [[6, 2, {up}], [6, 3, {up}]]]
+{}"#,
+            claim("left.south", "floor.north", "G0", &tolerance.to_string())
+        );
+        let (_, found) = claims_of(&model);
+        assert_eq!(found[0]["passes"], passes, "{up} within {tolerance}");
+        assert_eq!(found[0]["in_part"], true);
+        let stretch = &found[0]["stretches"][0];
+        assert!((stretch["found"]["gap"]["found"].as_f64().unwrap() - up).abs() < 1e-12);
+        let end = stretch["along"][1][1].as_f64().unwrap();
+        assert!((end - 2.0 / 3.0).abs() < 0.05, "{end}");
+    }
+}
+
+#[test]
+fn closed_sides_that_start_at_different_points_are_tested_all_round() {
+    // A cylinder and the cone that goes on from it, turned by a quarter: 45° between them, along two stretches.
+    let model = r#"
+tolerance = 0.01
+[surfaces.low]
+kind = "revolution"
+profile = { kind = "line", from = [1, 0, 5], to = [1, 0, 6] }
+[surfaces.high]
+kind = "revolution"
+profile = { kind = "line", from = [1, 0, 6], to = [2, 0, 7] }
+start = "90deg"
+"#;
+    let claims = claim("low.east", "high.west", "G1", "\"45.5deg\"")
+        + &claim("low.east", "high.west", "G1", "\"44.9deg\"");
+    let (_, found) = claims_of(&format!("{model}{claims}"));
+    assert_eq!(found[0]["verdict"], "proven");
+    assert_eq!(found[1]["verdict"], "fails");
+    for k in 0..2 {
+        let stretches = found[0]["stretches"].as_array().unwrap();
+        let width = |s: &serde_json::Value| {
+            s["along"][k][1].as_f64().unwrap() - s["along"][k][0].as_f64().unwrap()
+        };
+        let whole: f64 = stretches.iter().map(width).sum();
+        assert!((whole - 1.0).abs() < 1e-9, "{whole}");
+    }
+}
+
+#[test]
+fn a_claim_of_sides_that_do_not_meet_says_how_far_they_are_apart() {
+    // From (x, 0, 0) to the nearest of (1, 1, z): at least 1, and at the far end √2.
+    let model = format!(
+        "{MODEL}{}",
+        claim("floor.south", "wall.north", "G1", "\"90deg\"")
+    );
+    let (code, found) = claims_of(&model);
+    assert_eq!((code, &found[0]["verdict"]), (1, &"fails".into()));
+    assert_eq!(found[0]["in_part"], false);
+    let apart = [0, 1].map(|k| found[0]["sampled_distances"][k].as_f64().unwrap());
+    assert!((apart[0] - 1.0).abs() < 1e-12 && (apart[1] - 2f64.sqrt()).abs() < 1e-12);
+    let run = Folder::with_model(&model).nappe("check model.nappe.toml");
+    let text = String::from_utf8(run.stdout).unwrap();
+    assert!(
+        text.contains("the sides do not meet: 1 to 1.414 mm apart"),
         "{text}"
     );
 }

@@ -272,6 +272,20 @@ pub const CURVES: &[Kind] = &[
         ],
     },
     Kind {
+        name: "intersection",
+        doc: "the curve in which two surfaces meet",
+        keys: &[
+            key(
+                "surfaces",
+                List(&Surface, Some(2)),
+                Required,
+                "the two surfaces; u and v of the first one say which branch is which",
+            ),
+            BRANCH,
+            TRACE_TOLERANCE,
+        ],
+    },
+    Kind {
         name: "side",
         doc: "a side of a surface; the same as writing its name",
         keys: &[key("side", Side, Required, "such as \"dome.south\"")],

@@ -88,7 +88,7 @@ pub const CHECK: &[Key] = &[
         "between",
         List(&Side, Some(2)),
         Required,
-        "two sides, such as [\"hull.north\", \"deck.south\"]",
+        "two sides, such as [\"hull.north\", \"deck.south\"]; of sides that meet in part, the claim is about that part",
     ),
     key(
         "continuity",

@@ -124,6 +124,12 @@ const CURVES: &[(&str, &str)] = &[
          curvature = \"gaussian\"\nvalue = 0\nbranch = 1\n",
     ),
     (
+        "intersection",
+        "[surfaces.ring]\nkind = \"torus\"\nmajor = 3\nminor = 1\n\n[surfaces.sheet]\nkind = \"bilinear\"\n\
+         corners = [[[2, -1, 0.3], [2, 1, 0.3]], [[3, -1, 0.3], [3, 1, 0.4]]]\n\n[curves.seam]\nkind = \"intersection\"\n\
+         surfaces = [\"ring\", \"sheet\"]\n",
+    ),
+    (
         "side",
         "[curves.border]\nkind = \"side\"\nside = \"floor.north\"\n",
     ),

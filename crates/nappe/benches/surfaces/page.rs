@@ -26,8 +26,9 @@ const BOUNDS: &str = "
 ## What bounds each row
 
 * **T1, T4, grid**: writing, and one short sum of products a point, eight columns at a time with AVX-512, four with AVX2.
-  Results that go to memory wait for it; while the last-level cache takes them, the sums, and the divisions of rational
-  surfaces, cost about as much as writing or, with AVX2, more. The sides
+  Results of 16 MB and more go past the caches, which takes less than the fill they are compared with: that reads each
+  line before it writes it. They do so while the next row is computed. Smaller ones cost the sums, and the divisions of
+  rational surfaces. The sides
   are evaluated n + m times by the exact formulas, eight parameters at a time, which counts for small grids and for kinds
   made of curves: a side that takes half a microsecond a point costs half a nanosecond a point of a grid of 1000 × 1000.
 * **T2, normal**: the arithmetic: two tangents, a cross product, a square root and a division a point.

@@ -5,10 +5,12 @@ mod arcs;
 mod curve_tools;
 mod hermite;
 mod hull;
+mod impose;
 mod nurbs_curve;
 mod nurbs_surface;
 mod piecewise;
 mod reduce;
+mod share;
 mod spline;
 mod surface_tools;
 
@@ -21,6 +23,7 @@ pub use curve_tools::compatible;
 pub use nurbs_curve::{NurbsCurve, NurbsError, bad_weights};
 pub use nurbs_surface::NurbsSurface;
 pub use piecewise::PiecewiseRational;
+pub use share::{SharedSide, to_nurbs_together};
 
 pub(crate) use nurbs_curve::{homogeneous, middle};
 pub(crate) use piecewise::{bernstein_elevate, bernstein_product};

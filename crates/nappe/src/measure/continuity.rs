@@ -100,6 +100,16 @@ pub fn continuity_in_part(
     measured(edges, tol, options)
 }
 
+/// A bound of the distance of corresponding points alone; `None` if the sides do not coincide within `tol`, or if nothing
+/// is proven.
+pub(crate) fn greatest_gap(a: SideOf, b: SideOf, tol: f64) -> Option<f64> {
+    let [a, b] = [a, b].map(|(surface, side)| Along {
+        edge: Edge::new(surface, side),
+    });
+    let map = matching(&a.edge, &b.edge, tol)?;
+    Pair::new(a, b, &map).greatest_gap()
+}
+
 fn measured(edges: [Edge; 2], tol: f64, options: &JumpOptions) -> Option<Continuity> {
     let [a, b] = edges.map(|edge| Along { edge });
     let map = matching(&a.edge, &b.edge, tol)?;

@@ -39,6 +39,7 @@ pub use area::area;
 pub use bodies::{Body, bodies};
 pub use centroid::{AreaCentroid, Centroid, area_centroid, joint_centroid};
 pub use concave::{RollingBall, rolling_balls};
+pub(crate) use continuity::greatest_gap;
 pub use continuity::{Continuity, SideOf, Smoothness, continuity, continuity_in_part};
 pub use crease::{Crease, creases};
 pub use curvature::{Curvature, CurvatureExtremes, curvature, curvature_extremes};
@@ -60,6 +61,7 @@ pub use regularity::{Regularity, regularity};
 pub use search::{Extreme, SearchOptions};
 pub use solid::{Solid, solids};
 pub use tear::tear;
+pub(crate) use volume::inside_out;
 pub use volume::{Shell, VolumeError, shells, volume};
 
 /// How large a surface is: the diagonal of a box around points of it. Enclosures of a whole domain may be much larger than

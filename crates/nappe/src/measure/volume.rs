@@ -225,6 +225,18 @@ fn shell(
     (shell, moments)
 }
 
+/// Whether the normals of closed surfaces point inwards; `true` for surfaces whose normals count the other way. Only the
+/// sign of the volume is asked for, so few boxes do.
+pub(crate) fn inside_out<'a>(own: impl Iterator<Item = (&'a SurfaceRef, bool)> + Clone) -> bool {
+    let hull = hull(own.clone().map(|s| s.0));
+    let own: Vec<_> = own.map(|(s, turned)| (s.as_ref(), turned)).collect();
+    let options = IntegralOptions {
+        relative: 0.1,
+        ..IntegralOptions::default()
+    };
+    moments(&own, hull, &options, 0).is_negative()
+}
+
 /// The holes between the surfaces of a body.
 fn body_holes(
     surfaces: &[SurfaceRef],

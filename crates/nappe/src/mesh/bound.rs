@@ -190,7 +190,7 @@ const SAMPLES: usize = 5;
 const MARGIN: f64 = 1.5;
 
 /// A jet of order 2 whose boxes hold samples of the rectangle only; `None` if a sample is not finite.
-pub(super) fn sampled(surface: &dyn Surface, uv: [Interval; 2]) -> Option<Vec<Box3>> {
+pub(crate) fn sampled(surface: &dyn Surface, uv: [Interval; 2]) -> Option<Vec<Box3>> {
     let mut hull: Option<Vec<Box3>> = None;
     for k in 0..SAMPLES * SAMPLES {
         let at = |i: Interval, k: usize| {

@@ -45,10 +45,11 @@ pub(crate) mod shared;
 mod slide;
 mod stitch;
 
+pub(crate) use bound::sampled;
 pub use flatten::{FlatCurve, FlattenError, flatten};
 pub use joints::{Joint, Joints, joints, near_joints};
 pub use options::{MeshError, MeshOptions, Progress};
-pub use partial::{PartialJoint, partial_joints};
+pub use partial::{PartialJoint, partial_joint, partial_joints, sides_apart};
 
 /// How far an approximating result is from the exact thing.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use super::shared::{Edge, GUESSES, edge};
 use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::parallel;
-use crate::surface::{Side, SurfaceRef};
+use crate::surface::{Side, Surface, SurfaceRef};
 use glam::DVec3;
 use std::sync::OnceLock;
 
@@ -54,7 +54,7 @@ pub fn partial_joints(surfaces: &[SurfaceRef], joined: &Joints, weld: f64) -> Ve
         let sides = Side::ALL.into_iter().enumerate();
         let lines = sides.filter(|(_, side)| !joined.collapsed[i].contains(side));
         let lines: Vec<Line> = lines
-            .map(|(k, _)| Line::new(edge(surfaces, 4 * i + k), 4 * i + k, weld))
+            .map(|(k, _)| Line::new(edge(surfaces, 4 * i + k), 4 * i + k, weld, false))
             .collect();
         lines
     };
@@ -75,11 +75,7 @@ pub fn partial_joints(surfaces: &[SurfaceRef], joined: &Joints, weld: f64) -> Ve
             .filter(|b| a.hull.touches(b.hull));
         let joint = |b: &Line| {
             let (first, second) = if a.number < b.number { (a, b) } else { (b, a) };
-            let both = [second.on(first), first.on(second)];
-            let share = |s: &Option<(f64, PartialJoint)>| s.as_ref().map_or(0.0, |s| s.0);
-            let [x, y] = both;
-            let longer = if share(&y) > share(&x) { y } else { x };
-            longer.map(|(_, joint)| joint)
+            first.common(second)
         };
         near.filter_map(joint).collect::<Vec<_>>()
     };
@@ -89,11 +85,55 @@ pub fn partial_joints(surfaces: &[SurfaceRef], joined: &Joints, weld: f64) -> Ve
     found
 }
 
+/// The longest stretch along which two given sides run along each other within `weld`, whatever else they meet: what
+/// [`partial_joints`] would find of them, but a distance that is asked for of these two need not be small beside their
+/// surfaces. In the result the first side is of surface 0 and the second of surface 1. `None` also if a side is one point.
+///
+/// Sampled: not seen is also a stretch that is no longer than four times `weld`. Cost: 10³ points.
+pub fn partial_joint(
+    a: (&dyn Surface, Side),
+    b: (&dyn Surface, Side),
+    weld: f64,
+) -> Option<PartialJoint> {
+    let [first, second] = two(a, b, weld);
+    let is_point = |line: &Line| line.edge.is_collapsed(weld);
+    if is_point(&first) || is_point(&second) {
+        return None;
+    }
+    first.common(&second)
+}
+
+/// How far two sides are from each other: the least distance of a point of one from the other, and how far the side that
+/// keeps nearer to the other is from it at most: some point of each side is that far from the other. Sampled. Cost: 10³
+/// points.
+pub fn sides_apart(a: (&dyn Surface, Side), b: (&dyn Surface, Side)) -> [f64; 2] {
+    let [first, second] = two(a, b, 0.0);
+    let distances = |from: &Line, to: &Line| {
+        let points = from.near().points.iter().step_by(GUESSES / SAMPLES);
+        let distance = |&p: &DVec3| to.edge.point(to.nearest(p, to.guess(p).0)).distance(p);
+        points
+            .map(distance)
+            .fold([f64::INFINITY, 0.0], |[lo, hi], d| [d.min(lo), d.max(hi)])
+    };
+    let (x, y) = (distances(&first, &second), distances(&second, &first));
+    [x[0].min(y[0]), x[1].min(y[1])]
+}
+
+/// Two sides as lines.
+fn two<'a>(a: (&'a dyn Surface, Side), b: (&'a dyn Surface, Side), weld: f64) -> [Line<'a>; 2] {
+    let line = |k: usize, (surface, side): (&'a dyn Surface, Side)| {
+        Line::new(Edge::new(surface, side), 4 * k + side as usize, weld, true)
+    };
+    [line(0, a), line(1, b)]
+}
+
 /// A side with samples.
 struct Line<'a> {
     number: usize,
     edge: Edge<'a>,
     weld: f64,
+    /// Whether the weld distance is for this side, not for a whole model.
+    own: bool,
     /// A box around it, wide enough for whatever meets it.
     hull: Box3,
     /// Once another line is near: the samples of all lines together would be larger than the mesh.
@@ -126,7 +166,7 @@ fn greatest_step(points: &[DVec3]) -> f64 {
 }
 
 impl<'a> Line<'a> {
-    fn new(edge: Edge<'a>, number: usize, weld: f64) -> Self {
+    fn new(edge: Edge<'a>, number: usize, weld: f64, own: bool) -> Self {
         let points = edge.points(&edge.parts(SAMPLES));
         let hull = Box3::around(points.iter().copied()).unwrap_or(Box3::ZERO);
         Self {
@@ -134,6 +174,7 @@ impl<'a> Line<'a> {
             number,
             edge,
             weld,
+            own,
             near: OnceLock::new(),
         }
     }
@@ -141,7 +182,11 @@ impl<'a> Line<'a> {
     fn near(&self) -> &Near {
         self.near.get_or_init(|| {
             let points = self.edge.points(&self.edge.parts(GUESSES));
-            let within = within(self.edge.surface, self.weld)[self.number % 4].join;
+            let within = if self.own {
+                self.weld
+            } else {
+                within(self.edge.surface, self.weld)[self.number % 4].join
+            };
             Near {
                 step: greatest_step(&points),
                 closed: points[0].distance(points[GUESSES]) <= within,
@@ -181,6 +226,14 @@ impl<'a> Line<'a> {
         } else {
             t
         }
+    }
+
+    /// The longest stretch along which this side and a later one lie on each other.
+    fn common(&self, later: &Line) -> Option<PartialJoint> {
+        let [x, y] = [later.on(self), self.on(later)];
+        let share = |s: &Option<(f64, PartialJoint)>| s.as_ref().map_or(0.0, |s| s.0);
+        let longer = if share(&y) > share(&x) { y } else { x };
+        longer.map(|(_, joint)| joint)
     }
 
     /// The longest stretch of this side that lies on another one, and its share of this side.

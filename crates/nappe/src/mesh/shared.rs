@@ -297,7 +297,7 @@ pub(super) fn edge(surfaces: &[SurfaceRef], number: usize) -> Edge<'_> {
 }
 
 /// The corners at the start and end of a side.
-pub(super) fn ends(number: usize) -> [usize; 2] {
+pub(crate) fn ends(number: usize) -> [usize; 2] {
     let side = Side::ALL[number % 4];
     let [a, b] = match side {
         Side::South => [Corner::SouthWest, Corner::SouthEast],

@@ -6,7 +6,11 @@
 //! border, touch it from inside or go through a corner are then curves like all others.
 
 use super::field::{Field, FieldJet};
+use crate::box3::Box3;
+use crate::breaks::inwards;
 use crate::interval::Interval;
+use crate::surface::{Surface, jet_len};
+use glam::DVec3;
 
 /// The margin as a part of the width.
 pub(super) const MARGIN: f64 = 1.0 / (1u64 << 34) as f64;
@@ -147,4 +151,66 @@ pub(super) fn beyond(r: Interval, t: Interval) -> [Option<(Interval, Interval)>;
         (Interval::point(r.hi), part - Interval::point(r.hi))
     });
     [inside, below, above]
+}
+
+/// The point of a surface and its tangents over a box that may reach beyond a rectangle of its parameters; there it goes on as
+/// a field does. Sides of the rectangle on creases of the surface belong to its inside.
+pub(super) fn surface_over(
+    surface: &dyn Surface,
+    rect: [Interval; 2],
+    uv: [Interval; 2],
+) -> [Box3; 3] {
+    let domain = surface.domain();
+    let parts = [0, 1].map(|d| beyond(rect[d], uv[d]));
+    let mut hull: Option<[Box3; 3]> = None;
+    for &(u, x) in parts[0].iter().flatten() {
+        for &(v, y) in parts[1].iter().flatten() {
+            let inside = x == Interval::ZERO && y == Interval::ZERO;
+            let at = [inward(rect[0], domain[0], u), inward(rect[1], domain[1], v)];
+            let j = surface.enclose(at, if inside { 1 } else { 2 });
+            let mut s = [j[0], j[1], j[2]];
+            if !inside {
+                let twist = j[4];
+                s = [
+                    j[0] + j[1].scale(x) + j[2].scale(y) + twist.scale(x * y),
+                    j[1] + twist.scale(y),
+                    j[2] + twist.scale(x),
+                ];
+            }
+            hull = Some(match hull {
+                None => s,
+                Some(h) => [0, 1, 2].map(|k| h[k].hull(s[k])),
+            });
+        }
+    }
+    hull.unwrap_or([Box3::ENTIRE; 3])
+}
+
+/// The same at a place, in numbers.
+pub(super) fn surface_at(surface: &dyn Surface, rect: [Interval; 2], uv: [f64; 2]) -> [DVec3; 3] {
+    let at = [0, 1].map(|d| uv[d].clamp(rect[d].lo, rect[d].hi));
+    let [x, y] = [0, 1].map(|d| uv[d] - at[d]);
+    let inside = x == 0.0 && y == 0.0;
+    let mut j = [DVec3::ZERO; jet_len(2)];
+    let order = if inside { 1 } else { 2 };
+    surface.jet_into(at, inwards(at, rect), order, &mut j[..jet_len(order)]);
+    [
+        j[0] + j[1] * x + j[2] * y + j[4] * (x * y),
+        j[1] + j[4] * y,
+        j[2] + j[4] * x,
+    ]
+}
+
+/// A single parameter on a side of the rectangle that is inside the domain, stretched a little into the rectangle: then its
+/// limits come from there.
+fn inward(rect: Interval, domain: Interval, t: Interval) -> Interval {
+    let step = 4.0 * f64::EPSILON * rect.mag().max(rect.width());
+    let mut out = t;
+    if t.is_point() && t.lo == rect.lo && rect.lo > domain.lo {
+        out.hi = t.hi + step;
+    }
+    if t.is_point() && t.hi == rect.hi && rect.hi < domain.hi {
+        out.lo = t.lo - step;
+    }
+    out
 }

@@ -1,7 +1,7 @@
 //! All points where a curve meets a surface.
 
 use super::chains::touch;
-use super::extended::{beyond, margins};
+use super::extended::{beyond, margins, surface_over};
 use super::solve::{Enclosed, System, solve};
 use crate::box3::Box3;
 use crate::breaks::Breaks;
@@ -52,7 +52,8 @@ struct Difference<'a> {
 
 impl System<3> for Difference<'_> {
     fn enclose(&self, x: &[Interval; 3]) -> Option<Enclosed<3>> {
-        let (c, s) = (self.curve_over(x[0])?, self.surface_over([x[1], x[2]])?);
+        let c = self.curve_over(x[0])?;
+        let s = surface_over(self.surface, self.surface.domain(), [x[1], x[2]]);
         let value = (s[0] - c[0]).to_array();
         // Over a jump the derivatives of its two sides say nothing.
         let jumps = |k: usize| self.jumps[k].iter().any(|&at| x[k].lo < at && at < x[k].hi);
@@ -77,33 +78,6 @@ impl Difference<'_> {
             [c[0] + c[1].scale(way), c[1]]
         });
         over.reduce(|a, b| [0, 1].map(|k| a[k].hull(b[k])))
-    }
-
-    /// Point and derivatives; beyond its sides the surface goes on as [`Extended`](super::extended::Extended) says.
-    fn surface_over(&self, uv: [Interval; 2]) -> Option<[Box3; 3]> {
-        let domain = self.surface.domain();
-        let parts = [0, 1].map(|d| beyond(domain[d], uv[d]));
-        let mut hull: Option<[Box3; 3]> = None;
-        for &(u, x) in parts[0].iter().flatten() {
-            for &(v, y) in parts[1].iter().flatten() {
-                let inside = x == Interval::ZERO && y == Interval::ZERO;
-                let j = self.surface.enclose([u, v], if inside { 1 } else { 2 });
-                let mut s = [j[0], j[1], j[2]];
-                if !inside {
-                    let twist = j[4];
-                    s = [
-                        j[0] + j[1].scale(x) + j[2].scale(y) + twist.scale(x * y),
-                        j[1] + twist.scale(y),
-                        j[2] + twist.scale(x),
-                    ];
-                }
-                hull = Some(match hull {
-                    None => s,
-                    Some(h) => [0, 1, 2].map(|k| h[k].hull(s[k])),
-                });
-            }
-        }
-        hull
     }
 }
 

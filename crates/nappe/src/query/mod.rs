@@ -8,7 +8,8 @@
 //!
 //! [`trace`] gives all curves on which a function of two parameters is zero ([`Field`]: an expression, a formula, or a
 //! [`Figure`] of a surface: a section, a silhouette, an isophote, a curvature), [`meet`] all points where two such functions
-//! are zero, [`intersect`] all points where a curve meets a surface. The files: `field` and `figure` are the functions,
+//! are zero, [`intersect`] all points where a curve meets a surface, [`intersect_surfaces`] all curves in which two surfaces meet
+//! (the folder `surfaces`). The files: `field` and `figure` are the functions,
 //! `extended` continues them a little beyond their border, `cells` divides the rectangle and proves what is in each cell,
 //! `chains` joins cells, `tube` makes paths with a bound, `path` is the curve, `seams` joins across patches, `solve` finds
 //! points.
@@ -28,6 +29,7 @@ mod seams;
 mod shape;
 mod side;
 mod solve;
+mod surfaces;
 mod trace;
 mod tree;
 mod tube;
@@ -41,4 +43,7 @@ pub use meet::{MeetOptions, MeetPoint, Meets, meet};
 pub use nearest::{Finder, FinderOptions, Nearest, QueryError};
 pub use path::Path;
 pub use side::{Sidedness, Signed, SignedFinder};
+pub use surfaces::{
+    Contact, IntersectOptions, SurfaceCurve, SurfaceSurface, SurfacesError, intersect_surfaces,
+};
 pub use trace::{Branch, BranchEnd, Trace, TraceError, TraceOptions, Undecided, trace};

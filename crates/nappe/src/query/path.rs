@@ -61,7 +61,9 @@ impl Path {
             if k > 0
                 && let Some(last) = breaks.last_mut()
             {
-                last.smooth = i32::from(part.smooth);
+                // In the plane a path that goes on across a seam jumps.
+                let jumps = surface.is_none() && parts[k - 1].points[3] != part.points[0];
+                last.smooth = if jumps { -1 } else { i32::from(part.smooth) };
             }
             let cuts = surface
                 .as_ref()

@@ -94,10 +94,21 @@ pub(super) fn joined(
             before[j] = Some(k);
         }
     }
+    in_a_row(&next, gone)
+}
+
+/// Lists of numbers of which each is followed by `next`, and whether the list is closed, without those that are gone.
+pub(super) fn in_a_row(next: &[Option<usize>], gone: Vec<bool>) -> Vec<(Vec<usize>, bool)> {
+    let mut before = vec![None; next.len()];
+    for (k, n) in next.iter().enumerate() {
+        if let Some(n) = n {
+            before[*n] = Some(k);
+        }
+    }
     let mut used = gone;
     let mut lists = Vec::new();
-    let heads = (0..strands.len()).filter(|&k| before[k].is_none());
-    for head in heads.chain(0..strands.len()) {
+    let heads = (0..next.len()).filter(|&k| before[k].is_none());
+    for head in heads.chain(0..next.len()) {
         if used[head] {
             continue;
         }

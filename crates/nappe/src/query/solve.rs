@@ -208,7 +208,7 @@ fn krawczyk<const N: usize>(
 }
 
 /// The inverse by Gauss and Jordan with row pivots; `None` if it is not finite.
-fn inverse<const N: usize>(mut a: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
+pub(super) fn inverse<const N: usize>(mut a: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
     let mut b: [[f64; N]; N] = from_fn(|i| from_fn(|j| if i == j { 1.0 } else { 0.0 }));
     for c in 0..N {
         let p = (c..N).max_by(|&i, &j| a[i][c].abs().total_cmp(&a[j][c].abs()))?;
@@ -233,11 +233,16 @@ fn inverse<const N: usize>(mut a: [[f64; N]; N]) -> Option<[[f64; N]; N]> {
     b.as_flattened().iter().all(|x| x.is_finite()).then_some(b)
 }
 
-fn encloses<const N: usize>(a: &[Interval; N], b: &[Interval; N]) -> bool {
+/// True if a box holds another one.
+pub(super) fn encloses<const N: usize>(a: &[Interval; N], b: &[Interval; N]) -> bool {
     (0..N).all(|k| a[k].encloses(b[k]))
 }
 
-fn intersection<const N: usize>(a: &[Interval; N], b: &[Interval; N]) -> Option<[Interval; N]> {
+/// The common part of two boxes.
+pub(super) fn intersection<const N: usize>(
+    a: &[Interval; N],
+    b: &[Interval; N],
+) -> Option<[Interval; N]> {
     let mut out = *a;
     for k in 0..N {
         out[k] = a[k].intersection(b[k])?;

@@ -12,8 +12,10 @@ use crate::breaks::{Breaks, Limit};
 use crate::scalar::{Number, Pack};
 use crate::simd::{InstructionSet, Kernel, Lanes, Registers, cross, dot, far_from_limits};
 use glam::{DVec3, DVec4};
-use pulp::bytemuck::{cast_slice, cast_slice_mut};
+use nappe_stream::{Copying, LINE, Writer};
+use pulp::bytemuck::{Pod, cast_slice, cast_slice_mut};
 use smallvec::SmallVec;
+use std::mem::swap;
 use std::ops::Range;
 
 /// The highest order of derivative that kernels write.
@@ -183,11 +185,11 @@ impl Sparse {
 }
 
 /// A grid to evaluate.
-struct Grid<'a, T> {
+struct Grid<'a, 'w> {
     surface: &'a Separable,
     u: &'a [f64],
     v: &'a [f64],
-    out: &'a mut [T],
+    out: Places<'a, 'w>,
 }
 
 /// What is made of the derivatives of a point.
@@ -199,13 +201,38 @@ trait Output<R: Registers, const JET: usize> {
     fn put(&self, row: usize, column: usize, x: &[[Lanes<R>; 3]; JET], out: &mut [f64]);
 }
 
+/// A result of so many bytes is written past the caches, which could not keep it. With less, a caller may read it where it
+/// still is: in the second-level cache or its share of the last-level one.
+const LARGE: usize = 1 << 24;
+
+/// Where points go.
+enum Places<'a, 'w> {
+    /// Through the caches.
+    Near(&'a mut [f64]),
+    /// To memory: rows are put together in the cache first.
+    Far(&'a mut Writer<'w>),
+}
+
+impl Places<'_, '_> {
+    /// Hands on the way to places, to memory if they take `large` bytes or more.
+    fn of<T: Pod>(out: &mut [T], large: usize, fill: impl FnOnce(Places)) {
+        let is_large = size_of_val(out) >= large;
+        let out = cast_slice_mut(out);
+        if is_large {
+            nappe_stream::stream(out, |w| fill(Places::Far(w)));
+        } else {
+            fill(Places::Near(out));
+        }
+    }
+}
+
 /// Evaluates a grid with derivatives up to `ORDER`, a register of points at a time.
 #[inline(always)]
 fn evaluate<R: Registers, O: Output<R, JET>, const ORDER: usize, const JET: usize>(
     r: R,
     surface: &Separable,
     uv: [&[f64]; 2],
-    out: &mut [f64],
+    out: &mut Places,
     output: &O,
 ) {
     match (surface.core(), surface.is_rational()) {
@@ -227,13 +254,16 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
     surface: &Separable,
     net: Option<&[DVec4]>,
     [u, v]: [&[f64]; 2],
-    out: &mut [f64],
+    out: &mut Places,
     output: &O,
 ) {
     let (side, count) = (surface.functions_u(), surface.functions_v().count());
     let mut all = vec![[0.0; 4]; (ORDER + 1) * count];
     let (mut a, mut sparse) = (Vec::new(), Vec::new());
-    let mut stage = vec![0.0; O::EACH * (v.len().min(COLUMNS) + R::LANES)];
+    let room = O::EACH * (v.len().min(COLUMNS) + R::LANES);
+    // A row that is put together, and the one before on its way to memory.
+    let mut stage = vec![0.0; room];
+    let mut before = stage.clone();
     for (tile, columns) in v.chunks(COLUMNS).enumerate() {
         let first = tile * COLUMNS;
         let Columns {
@@ -242,14 +272,16 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
             start,
             stride,
         } = Columns::new(surface, columns, ORDER);
-        // Long sums of products load so much for each point that they wait for stores under way to memory; their rows are
-        // put together in the cache and copied. Short sums load little (in a sparse core each coordinate has functions of
-        // its own), and divisions and normals take long enough to store beside them.
+        // Long sums of products load so much for each point that they wait for stores under way; their rows are put
+        // together first. Short sums load little (in a sparse core each coordinate has functions of its own), and
+        // divisions and normals take long enough to store beside them.
         let is_long = |p: &Piece| match net {
             Some(_) => p.active.len() > 4,
             None => p.sparse.used.len() > 2,
         };
-        let in_cache = D == 3 && JET == 1 && pieces.iter().any(is_long);
+        let is_long = D == 3 && JET == 1 && pieces.iter().any(is_long);
+        let width = O::EACH * columns.len();
+        let mut waiting = None;
         in_packs(
             side.as_ref(),
             u,
@@ -258,14 +290,31 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
             |rows, pack| {
                 for (lane, row) in rows.enumerate() {
                     let active = side.active(u[row], Limit::Above);
-                    let out = &mut out[O::EACH * (row * v.len() + first)..];
-                    // What blocks write behind a row must be written later, and there must be room for it.
-                    let staged = in_cache || columns.len() < v.len() || out.len() < stage.len();
+                    let at = O::EACH * (row * v.len() + first);
                     a.clear();
                     a.extend(pack.iter().map(|f| f.0[lane]));
                     if let Some(net) = net {
                         collapse_net(&a, &net[active.start * count..], count, &mut all);
                     }
+                    let mut beside = Copying::default();
+                    let mut staged = true;
+                    let places = match out {
+                        Places::Near(out) => {
+                            // What blocks write behind a row must be written later, and there must be room for it.
+                            staged = is_long || columns.len() < v.len() || out.len() - at < room;
+                            if staged {
+                                &mut stage[..]
+                            } else {
+                                &mut out[at..]
+                            }
+                        }
+                        Places::Far(out) => {
+                            if let Some(at) = waiting.replace(at) {
+                                beside = out.copying(at, &before[..width]);
+                            }
+                            &mut stage[..]
+                        }
+                    };
                     for piece in &pieces {
                         let slots = if net.is_some() {
                             piece.active.len()
@@ -290,22 +339,31 @@ fn rows<R: Registers, O: Output<R, JET>, const D: usize, const ORDER: usize, con
                             k,
                             quick: D == 4 && ORDER < 2 && piece.moderate && k.iter().all(moderate),
                         };
-                        let places = if staged { &mut stage } else { &mut *out };
-                        let places = &mut places[O::EACH * piece.columns.start..];
+                        let to = To {
+                            places: &mut places[O::EACH * piece.columns.start..],
+                            beside: &mut beside,
+                        };
                         match net {
-                            Some(_) => strip.dense::<D, ORDER, JET>(places, output),
+                            Some(_) => strip.dense::<D, ORDER, JET>(to, output),
                             None => {
-                                strip.sparse::<D, ORDER, JET>(&piece.sparse.used, places, output);
+                                strip.sparse::<D, ORDER, JET>(&piece.sparse.used, to, output);
                             }
                         }
                     }
-                    if staged {
-                        let row = &stage[..O::EACH * columns.len()];
-                        out[..row.len()].copy_from_slice(row);
+                    drop(beside);
+                    match out {
+                        Places::Near(out) if staged => {
+                            out[at..][..width].copy_from_slice(&stage[..width]);
+                        }
+                        Places::Near(_) => {}
+                        Places::Far(_) => swap(&mut stage, &mut before),
                     }
                 }
             },
         );
+        if let (Places::Far(out), Some(at)) = (&mut *out, waiting) {
+            drop(out.copying(at, &before[..width]));
+        }
     }
 }
 
@@ -326,6 +384,12 @@ fn collapse_net(a: &[f64], net: &[DVec4], count: usize, k: &mut [[f64; 4]]) {
             }
         }
     }
+}
+
+/// Where a strip goes, and the copy of an earlier row to memory that is made beside it.
+struct To<'a, 'b> {
+    places: &'a mut [f64],
+    beside: &'a mut Copying<'b>,
 }
 
 /// The part of a row that lies in a piece.
@@ -349,7 +413,7 @@ impl<R: Registers> Strip<'_, R> {
     #[inline(always)]
     fn dense<const D: usize, const ORDER: usize, const JET: usize>(
         &self,
-        out: &mut [f64],
+        out: To,
         output: &impl Output<R, JET>,
     ) {
         self.sums::<_, D, ORDER, JET>(
@@ -365,7 +429,7 @@ impl<R: Registers> Strip<'_, R> {
     fn sparse<const D: usize, const ORDER: usize, const JET: usize>(
         &self,
         used: &[[usize; 4]],
-        out: &mut [f64],
+        out: To,
         output: &impl Output<R, JET>,
     ) {
         let used = &used[..self.k[0].len()];
@@ -387,7 +451,7 @@ impl<R: Registers> Strip<'_, R> {
     >(
         &self,
         place: P,
-        out: &mut [f64],
+        out: To,
         output: &impl Output<R, JET>,
     ) {
         match (JET, self.k[0].len()) {
@@ -425,7 +489,7 @@ impl<R: Registers> Strip<'_, R> {
     fn unrolled<P: Fn(usize, usize) -> usize, const D: usize, const N: usize, const JET: usize>(
         &self,
         place: P,
-        out: &mut [f64],
+        out: To,
         output: &impl Output<R, JET>,
     ) {
         let r = self.r;
@@ -463,26 +527,30 @@ impl<R: Registers> Strip<'_, R> {
     #[inline(always)]
     fn blocks<O: Output<R, JET>, const D: usize, const ORDER: usize, const JET: usize>(
         &self,
-        out: &mut [f64],
+        out: To,
         output: &O,
         sum: impl Fn(usize, usize, usize) -> [R::Register; D],
     ) {
         // The last block may reach into the next piece, which comes later and is written over it.
         let blocks = self.columns.len().div_ceil(R::LANES);
-        let places = out.chunks_exact_mut(O::EACH * R::LANES).take(blocks);
+        let To { places, beside } = out;
+        let places = places.chunks_exact_mut(O::EACH * R::LANES).take(blocks);
         debug_assert_eq!(places.len(), blocks);
+        let lines = (O::EACH * R::LANES).div_ceil(LINE);
         if D == 4 && JET == 1 {
             // The reciprocal of the next block is under way while the quotients of one are taken.
             let mut block = self.begin::<D, ORDER, JET>(0, &sum);
             for (number, places) in places.enumerate() {
                 let next = self.begin::<D, ORDER, JET>((number + 1).min(blocks - 1), &sum);
                 self.end::<O, D, JET>(number, &block, places, output);
+                beside.step(lines);
                 block = next;
             }
         } else {
             for (number, places) in places.enumerate() {
                 let block = self.begin::<D, ORDER, JET>(number, &sum);
                 self.end::<O, D, JET>(number, &block, places, output);
+                beside.step(lines);
             }
         }
     }
@@ -586,16 +654,21 @@ fn moved<R: Registers>(x: &[Lanes<R>; 3], origin: DVec3) -> [Lanes<R>; 3] {
 }
 
 /// The derivatives up to `ORDER` of every point of a grid, point by point.
-struct Jets<'a, const ORDER: usize, const JET: usize>(Grid<'a, DVec3>);
+struct Jets<'a, 'w, const ORDER: usize, const JET: usize>(Grid<'a, 'w>);
 
-impl<const ORDER: usize, const JET: usize> Kernel for Jets<'_, ORDER, JET> {
+impl<const ORDER: usize, const JET: usize> Kernel for Jets<'_, '_, ORDER, JET> {
     #[inline(always)]
     fn run<R: Registers>(self, r: R) {
-        let Grid { surface, u, v, out } = self.0;
+        let Grid {
+            surface,
+            u,
+            v,
+            mut out,
+        } = self.0;
         // Without negative zeros, so that the sum with a zero of any sign has the positive one.
         let origin = surface.origin() + DVec3::ZERO;
         let output = JetOutput { r, origin };
-        evaluate::<R, _, ORDER, JET>(r, surface, [u, v], cast_slice_mut(out), &output);
+        evaluate::<R, _, ORDER, JET>(r, surface, [u, v], &mut out, &output);
     }
 }
 
@@ -629,10 +702,12 @@ impl<R: Registers, const JET: usize> Output<R, JET> for JetOutput<R> {
 
 /// The derivatives up to an order of at most [`KERNEL_ORDER`] of every point of a grid.
 pub(super) fn jets(surface: &Separable, u: &[f64], v: &[f64], order: usize, out: &mut [DVec3]) {
-    jets_on(InstructionSet::best(), Grid { surface, u, v, out }, order);
+    Places::of(out, LARGE, |out| {
+        jets_on(InstructionSet::best(), Grid { surface, u, v, out }, order);
+    });
 }
 
-fn jets_on(set: InstructionSet, grid: Grid<'_, DVec3>, order: usize) {
+fn jets_on(set: InstructionSet, grid: Grid, order: usize) {
     match order {
         0 => set.run(Jets::<0, 1>(grid)),
         1 => set.run(Jets::<1, 3>(grid)),
@@ -641,16 +716,21 @@ fn jets_on(set: InstructionSet, grid: Grid<'_, DVec3>, order: usize) {
 }
 
 /// Points and unit normals of a grid.
-struct Normals<'a> {
-    grid: Grid<'a, [DVec3; 2]>,
+struct Normals<'a, 'w> {
+    grid: Grid<'a, 'w>,
     /// The widths of the pieces that the parameters lie in.
     widths: [Vec<f64>; 2],
 }
 
-impl Kernel for Normals<'_> {
+impl Kernel for Normals<'_, '_> {
     #[inline(always)]
     fn run<R: Registers>(self, r: R) {
-        let Grid { surface, u, v, out } = self.grid;
+        let Grid {
+            surface,
+            u,
+            v,
+            mut out,
+        } = self.grid;
         let mut widths = self.widths;
         let last = widths[1].last().copied();
         widths[1].resize(v.len() + R::LANES, last.unwrap_or(1.0));
@@ -660,8 +740,7 @@ impl Kernel for Normals<'_> {
             uv: [u, v],
             widths,
         };
-        let out = cast_slice_mut(out.as_flattened_mut());
-        evaluate::<R, _, 1, 3>(r, surface, [u, v], out, &output);
+        evaluate::<R, _, 1, 3>(r, surface, [u, v], &mut out, &output);
     }
 }
 
@@ -713,10 +792,12 @@ impl<R> NormalOutput<'_, R> {
 
 /// Points and unit normals of a grid. Where the tangents may not span a plane, [`normal_at`] decides.
 pub(super) fn normals(surface: &Separable, u: &[f64], v: &[f64], out: &mut [[DVec3; 2]]) {
-    normals_on(InstructionSet::best(), Grid { surface, u, v, out });
+    Places::of(out.as_flattened_mut(), LARGE, |out| {
+        normals_on(InstructionSet::best(), Grid { surface, u, v, out });
+    });
 }
 
-fn normals_on(set: InstructionSet, grid: Grid<'_, [DVec3; 2]>) {
+fn normals_on(set: InstructionSet, grid: Grid) {
     let widths = |dir, t: &[f64]| -> Vec<f64> {
         let breaks = grid.surface.breaks(dir);
         let width = |&t: &f64| breaks.piece(breaks.find(t, Limit::Above)).width();

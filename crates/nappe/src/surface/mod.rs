@@ -176,7 +176,7 @@ pub trait Surface: Debug + Send + Sync {
         self.to_nurbs()
     }
 
-    /// The plane or cylinder that this surface is a part of, where that is known exactly (within rounding).
+    /// The plane, cylinder, cone, sphere or torus that this surface is a part of, where that is known exactly (within rounding).
     fn elementary(&self) -> Option<Elementary> {
         elementary::plane_of(&self.to_nurbs()?)
     }

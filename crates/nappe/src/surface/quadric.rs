@@ -484,11 +484,31 @@ impl Surface for Quadric {
     }
 
     fn elementary(&self) -> Option<Elementary> {
-        let [a, b, _] = self.semi_axes;
-        (self.shape == QuadricShape::Cylinder && a == b).then_some(Elementary::Cylinder {
-            axis: self.frame,
-            radius: a,
-            outward: true,
-        })
+        let [a, b, c] = self.semi_axes;
+        match self.shape {
+            QuadricShape::Cylinder if a == b => Some(Elementary::Cylinder {
+                axis: self.frame,
+                radius: a,
+                outward: true,
+            }),
+            QuadricShape::Cone if a == b => {
+                let [x, _, z] = self.frame.directions();
+                let [_, heights] = self.range;
+                let up = if heights[0] + heights[1] < 0.0 { -z } else { z };
+                Some(Elementary::Cone {
+                    axis: Frame::new(self.frame.origin(), up, x).ok()?,
+                    slope: a / c,
+                    outward: true,
+                })
+            }
+            QuadricShape::Sphere | QuadricShape::Ellipsoid if a == b && b == c => {
+                Some(Elementary::Sphere {
+                    frame: self.frame,
+                    radius: a,
+                    outward: true,
+                })
+            }
+            _ => None,
+        }
     }
 }

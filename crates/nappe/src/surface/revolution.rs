@@ -6,11 +6,11 @@ use super::turned::{net, turned};
 use super::{CoonsError, Dir, Elementary, Separable, Surface, SurfaceRef, elementary};
 use crate::basis::{Framed, Turn};
 use crate::breaks::{Break, merge_breaks};
-use crate::curve::CurveRef;
+use crate::curve::{Curve, CurveRef};
 use crate::exact::{ConicArcs, NurbsCurve, NurbsSurface};
 use crate::frame::Frame;
 use crate::interval::Interval;
-use glam::{DVec3, DVec4, Vec3Swizzles, Vec4Swizzles};
+use glam::{DVec2, DVec3, DVec4, Vec3Swizzles, Vec4Swizzles};
 use std::f64::consts::{FRAC_PI_2, TAU};
 use std::sync::Arc;
 use thiserror::Error;
@@ -18,9 +18,8 @@ use thiserror::Error;
 /// Relative excess over a whole turn, or distance from a whole number of quarter turns, taken as rounding.
 const ANGLE_ROUNDING: f64 = 1e-12;
 
-/// Relative to the radius: a profile whose control points stray no further from a line parallel to the axis makes a
-/// cylinder. Larger would make fillets at slightly conical walls wrong by as much.
-const SAME_LINE: f64 = 1e-13;
+/// Relative to the largest coordinate: a profile that strays no further from a half-plane of the axis lies in it.
+const SAME_PLANE: f64 = 1e-13;
 
 /// What can be wrong with a surface of revolution.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -448,7 +447,8 @@ impl Surface for Revolution {
         by_arcs(&profile, &self.axis, &options, self.poles).to_nurbs()
     }
 
-    /// A plane if the profile is straight and square to the axis, a cylinder if it is parallel to it.
+    /// A plane, cylinder or cone if the profile is straight and in a plane with the axis; a sphere or torus if it is an arc
+    /// there.
     fn elementary(&self) -> Option<Elementary> {
         if let Some(plane) = elementary::plane_of(&self.to_rational()?) {
             return Some(plane);
@@ -456,24 +456,40 @@ impl Surface for Revolution {
         if matches!(self.options.construction, Construction::Conic { .. }) {
             return None;
         }
-        let points = in_frame(&self.profile.to_rational()?, &self.axis, [false; 2]);
-        let at = |p: &DVec4| p.xyz() / p.w;
-        let (first, radius) = (at(&points[0]), at(&points[0]).xy().length());
-        let straight = points
+        let pieces = self.profile.to_rational()?.bezier_pieces().ok()?;
+        let mut points = Vec::new();
+        for piece in &pieces {
+            // The square of the distance from a point is a polynomial of twice the degree over one of twice the degree.
+            let n = 2 * piece.degree();
+            let domain = piece.domain();
+            points.extend((0..=n).map(|i| {
+                let t = domain.lo + domain.width() * i as f64 / n as f64;
+                self.axis.coordinates(piece.point(t))
+            }));
+        }
+        let far = points
             .iter()
-            .all(|p| (at(p).xy() - first.xy()).length() <= SAME_LINE * radius);
-        let domain = self.domain();
-        let middle = domain.map(Interval::mid);
-        let jet = self.jet(middle, Default::default(), 1);
-        let outwards = jet.point()
-            - self
-                .axis
-                .point(DVec3::Z * self.axis.coordinates(jet.point()).z);
-        straight.then_some(())?;
-        Some(Elementary::Cylinder {
-            axis: self.axis,
-            radius,
-            outward: jet.normal()?.dot(outwards) > 0.0,
-        })
+            .copied()
+            .max_by(|a, b| a.xy().length().total_cmp(&b.xy().length()))?;
+        let way = far.xy().try_normalize()?;
+        let size = points.iter().map(|p| p.length()).fold(0.0, f64::max);
+        let in_half_plane = |p: &DVec3| way.perp_dot(p.xy()).abs() <= SAME_PLANE * size;
+        if !points.iter().all(in_half_plane) {
+            return None;
+        }
+        let meridian: Vec<DVec2> = points
+            .iter()
+            .map(|p| DVec2::new(way.dot(p.xy()), p.z))
+            .collect();
+        let jet = self.jet(self.domain().map(Interval::mid), Default::default(), 1);
+        let at = self.axis.coordinates(jet.point());
+        let normal = self.axis.coordinates(self.axis.origin() + jet.normal()?);
+        let outwards = at.xy().try_normalize()?;
+        let in_meridian = |p: DVec3| DVec2::new(outwards.dot(p.xy()), p.z);
+        Elementary::swept(
+            &self.axis,
+            &meridian,
+            [in_meridian(at), in_meridian(normal)],
+        )
     }
 }

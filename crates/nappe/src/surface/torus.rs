@@ -1,7 +1,7 @@
 //! The torus.
 
-use super::Surface;
 use super::turned::carried_round;
+use super::{Elementary, Surface};
 use crate::exact::{ConicArcs, NurbsSurface};
 use crate::frame::Frame;
 use crate::interval::Interval;
@@ -167,7 +167,12 @@ impl Surface for Torus {
         Some(self.nurbs.clone())
     }
 
-    fn elementary(&self) -> Option<super::Elementary> {
-        None
+    fn elementary(&self) -> Option<Elementary> {
+        Some(Elementary::Torus {
+            axis: self.options.frame,
+            major: self.major,
+            minor: self.minor,
+            outward: true,
+        })
     }
 }

@@ -1,6 +1,8 @@
 //! The picture of the joints: sides in the colour of what they reach, and the places where something is wrong.
 
-use super::{Declared, Findings, Reached, SMOOTH_ANGLE, reached};
+use super::Findings;
+use super::declared::Declared;
+use super::reached::{Reached, SMOOTH_ANGLE, reached};
 use crate::commands::render::{self, MOST_POINTS, PIXEL_SHARE};
 use crate::failure::Failure;
 use crate::screen::Screen;

@@ -21,7 +21,7 @@ fn list(all: &[DVec3]) -> String {
 
 fn other_radius(fits: Option<(f64, DVec3)>) -> String {
     match fits {
-        None => " (looked for at samples of the first)".into(),
+        None => " (looked for at samples of both)".into(),
         Some((r, p)) => format!(
             ": one of radius {} does about {} (estimated)",
             significant(r, 4),
@@ -76,6 +76,22 @@ pub enum FilletError {
         radius: f64,
         /// The radius of curvature of the surface there.
         largest: f64,
+    },
+    /// The ball touches a support where it should, and cuts through another part of it.
+    #[error(
+        "at u = {at}, about {}, the ball of radius {radius} cuts {} deep into another part of the {} surface than the one it touches", place_of(*place), significant(*depth, 4), ordinal(*index)
+    )]
+    CutsThrough {
+        /// 0 or 1.
+        index: usize,
+        /// The parameter.
+        at: f64,
+        /// The ball's centre.
+        place: DVec3,
+        /// The radius there.
+        radius: f64,
+        /// How much nearer to the centre than the radius a point of the surface is.
+        depth: f64,
     },
     /// The ball could not be followed.
     #[error("a ball of radius {radius} cannot be followed beyond {}: {}", place_of(*place), why_lost(*tight))]

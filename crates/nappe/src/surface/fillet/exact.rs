@@ -1,7 +1,10 @@
-//! Fillets whose spine has a formula: between two planes, and between a plane and a cylinder.
+//! Fillets whose spine has a formula: between two planes, between a plane and a cylinder, and where both supports are
+//! carried into themselves by one motion.
 
+use super::motion::Carried;
 use super::rolling_ball::{Cylinder, RollingBall, Track, pieces, prove};
-use super::{BEYOND, Fillet, FilletError, FilletOptions, PARALLEL, Path, Radius, arc_sections};
+use super::spine::Spine;
+use super::{BEYOND, Fillet, FilletError, FilletOptions, PARALLEL, Radius, arc_sections};
 use crate::basis::BSplineBasis;
 use crate::breaks::Limit;
 use crate::exact::{ConicArcs, NurbsSurface};
@@ -30,12 +33,31 @@ fn build(ball: RollingBall, origin: DVec3) -> Result<Built, FilletError> {
     let ball = Arc::new(ball);
     let fillet = Fillet {
         form: arc_sections(ball.clone(), origin),
-        path: Path::Exact(ball.clone()),
+        ball: Some(ball.clone()),
+        spine: None,
         origin,
         nurbs: None,
         rational: None,
     };
     Ok((fillet, ball))
+}
+
+/// The fillet whose path is carried by a motion of both supports, with the proof of its contacts.
+pub(super) fn carried(carried: Carried, spine: Spine, radius: f64) -> Result<Fillet, FilletError> {
+    let Carried {
+        track,
+        range,
+        origin,
+        axis,
+        ..
+    } = carried;
+    let ball = RollingBall::new(track, Radius::Constant(radius), range, false);
+    let mut fillet = match axis {
+        Some(frame) => torus(build(ball, origin)?, &frame),
+        None => straight(ball, origin)?,
+    };
+    fillet.spine = Some(Arc::new(spine));
+    Ok(fillet)
 }
 
 /// With the NURBS form of constant sections moved along a straight line.
@@ -288,6 +310,6 @@ fn ball_does_not_reach(track: &Track, at: f64, radius: f64) -> FilletError {
             }
         }
         Track::Turning(c) => too_large(c.radius),
-        Track::Planes { .. } => too_large(f64::INFINITY),
+        Track::Planes { .. } | Track::Ring { .. } => too_large(f64::INFINITY),
     }
 }

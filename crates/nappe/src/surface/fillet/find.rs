@@ -1,14 +1,17 @@
-//! Finding the paths along which a ball touches two surfaces: by samples of the first surface.
+//! Finding the paths along which a ball touches two surfaces: by samples of each of them, so that neither may be small
+//! beside the other.
 
+use super::FilletError;
 use super::contact::{Place, Supports};
+use super::spine::Spine;
 use super::trace::{Lost, Trace, Tracer};
-use crate::breaks::Breaks;
+use crate::breaks::{Breaks, Limit};
 use crate::parallel;
 use crate::query::{Finder, FinderOptions};
 use crate::surface::{Dir, Normal, normal_at};
 use glam::DVec3;
 
-/// Samples of the first surface in each direction, at least, and in each piece.
+/// Samples of a surface in each direction, at least, and in each piece.
 const SAMPLES: [usize; 2] = [33, 4];
 /// The most samples in each direction.
 const MOST: usize = 200;
@@ -17,31 +20,47 @@ const MOST_LOST: usize = 4;
 /// How far another radius is looked for, as a power of two, and how often the range is then halved.
 const OCTAVES: i32 = 6;
 const BISECTIONS: usize = 12;
+/// Balls whose distance from both surfaces is looked at, and how much nearer than its radius a surface must be that it cuts
+/// through, relative to the size and place: far above rounding.
+const BALLS: usize = 64;
+const CUT: f64 = 1e-9;
 /// How well nearest points are looked for, relative to the size: they are only where Newton's method starts.
 const NEAR: f64 = 1e-5;
 
 /// Looks for balls between two surfaces.
 pub(super) struct Search<'a> {
     supports: &'a Supports,
-    finder: Finder,
     pub size: f64,
+    sides: Vec<Side>,
+}
+
+/// One of the surfaces, which is sampled, and what finds nearest points of the other one.
+struct Side {
+    index: usize,
     lines: [Vec<f64>; 2],
+    other: Finder,
 }
 
 impl<'a> Search<'a> {
-    /// `None` if the second surface cannot be searched.
+    /// `None` if neither surface can be searched.
     pub(super) fn new(supports: &'a Supports, size: f64) -> Option<Self> {
         let options = FinderOptions {
             tol: Some(NEAR * size),
             ..Default::default()
         };
-        let finder = Finder::new(&supports.surfaces[1..], options).ok()?;
-        let lines = [Dir::U, Dir::V].map(|dir| lines(supports.surfaces[0].breaks(dir)));
-        Some(Self {
+        let side = |index: usize| {
+            let other = 1 - index;
+            Some(Side {
+                index,
+                lines: [Dir::U, Dir::V].map(|dir| lines(supports.surfaces[index].breaks(dir))),
+                other: Finder::new(&supports.surfaces[other..=other], options).ok()?,
+            })
+        };
+        let sides: Vec<Side> = (0..2).filter_map(side).collect();
+        (!sides.is_empty()).then_some(Self {
             supports,
-            finder,
             size,
-            lines,
+            sides,
         })
     }
 
@@ -101,12 +120,47 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Places where a ball touches both surfaces: where the distance of its centre over the first surface from the second
-    /// passes the radius between two samples.
+    /// Where the ball cuts deepest through a part of a surface that it does not touch: a point of it is nearer to the centre
+    /// than the radius. Looked for at samples of the path; what is found is certain.
+    pub(super) fn cut(&self, spine: &Spine) -> Option<FilletError> {
+        let at = |i: usize| i as f64 / BALLS as f64;
+        let centres: Vec<DVec3> = (0..=BALLS)
+            .map(|i| spine.centre(at(i)) + self.supports.origin)
+            .collect();
+        let mut worst = None;
+        let mut deepest: f64 = 0.0;
+        for side in &self.sides {
+            let found = side.other.nearest_many(&centres, parallel::all_threads());
+            for (i, (found, place)) in found.iter().zip(&centres).enumerate() {
+                let Ok(found) = found else { continue };
+                let radius = spine.radius.series_at(at(i), Limit::Above, 0).value();
+                let depth = radius - found.distance;
+                if depth > deepest.max(CUT * (self.size + place.length())) {
+                    deepest = depth;
+                    worst = Some(FilletError::CutsThrough {
+                        index: 1 - side.index,
+                        at: at(i),
+                        place: *place,
+                        radius,
+                        depth,
+                    });
+                }
+            }
+        }
+        worst
+    }
+
+    /// Places where a ball touches both surfaces.
     pub(super) fn seeds(&self, radius: f64) -> Vec<Place<f64>> {
-        let [us, vs] = &self.lines;
-        let first = self.supports.surfaces[0].as_ref();
-        let second = self.supports.surfaces[1].as_ref();
+        let each = self.sides.iter().flat_map(|s| self.seeds_of(s, radius));
+        each.collect()
+    }
+
+    /// Where the distance of the ball's centre over one surface from the other passes the radius between two samples.
+    fn seeds_of(&self, side: &Side, radius: f64) -> Vec<Place<f64>> {
+        let [us, vs] = &side.lines;
+        let (k, l) = (side.index, 1 - side.index);
+        let [first, second] = [k, l].map(|i| self.supports.surfaces[i].as_ref());
         let pairs: Vec<[f64; 2]> = us
             .iter()
             .flat_map(|&u| vs.iter().map(move |&v| [u, v]))
@@ -118,12 +172,12 @@ impl<'a> Search<'a> {
         let centres: Vec<DVec3> = pairs
             .iter()
             .map(|&uv| match normal(first, uv) {
-                Some(n) => first.point(uv) + n * (radius * self.supports.sides[0]),
+                Some(n) => first.point(uv) + n * (radius * self.supports.sides[k]),
                 None => DVec3::NAN,
             })
             .collect();
         let threads = parallel::all_threads();
-        let found = self.finder.nearest_many(&centres, threads);
+        let found = side.other.nearest_many(&centres, threads);
         // The distance, negative on the other side of the second surface, and the nearest point.
         let over: Vec<Option<(f64, [f64; 2])>> = found
             .iter()
@@ -131,7 +185,7 @@ impl<'a> Search<'a> {
             .map(|(found, &c)| {
                 let found = found.as_ref().ok()?;
                 let n = normal(second, found.uv)?;
-                let height = (c - found.point).dot(n) * self.supports.sides[1];
+                let height = (c - found.point).dot(n) * self.supports.sides[l];
                 Some((found.distance.copysign(height) - radius, found.uv))
             })
             .collect();
@@ -149,9 +203,10 @@ impl<'a> Search<'a> {
                         return;
                     }
                     let share = fa / (fa - fb);
-                    let x = [0, 1].map(|k| pairs[a][k] + share * (pairs[b][k] - pairs[a][k]));
+                    let x = [0, 1].map(|d| pairs[a][d] + share * (pairs[b][d] - pairs[a][d]));
                     let y = if share < 0.5 { ya } else { yb };
-                    seeds.extend(tracer.nearest([x[0], x[1], y[0], y[1]]));
+                    let both = if k == 0 { [x, y] } else { [y, x] };
+                    seeds.extend(tracer.nearest([both[0][0], both[0][1], both[1][0], both[1][1]]));
                 };
                 if i + 1 < us.len() {
                     pair(a + count);

@@ -4,6 +4,8 @@ mod contact;
 mod error;
 mod exact;
 mod find;
+mod memo;
+mod motion;
 mod rolling_ball;
 mod spine;
 mod trace;
@@ -60,27 +62,26 @@ pub struct FilletOptions {
 /// contact may pass seams and breaks where the normal goes on. u is nearly in proportion to the length of the
 /// centre's path; where it closes the radius must be the same at both ends, to 1e-9 of it. The contacts are the exact solutions of their equations, with derivatives of any order: for every u they
 /// are proven to exist, the ball to be no more curved than either surface, and the sections not to cross. Not proven: that
-/// the ball does not meet a surface somewhere else, and that no further fillet exists, since paths are looked for at
-/// samples. Surfaces whose enclosures end at their sides (Gregory's twists) are proven only inside of them.
+/// the ball does not meet a surface somewhere else (one of 65 balls that does is refused), and that no further fillet
+/// exists, since paths are looked for at samples of both. A variable radius must fit only at its own place, but the middle,
+/// the least or the greatest one must go all the way. Surfaces whose enclosures end at their sides (Gregory's twists) are proven only inside of them.
 ///
-/// Exactly a NURBS surface for a constant radius between planes and along a cylinder; round a cylinder square to the plane
-/// [`Surface::to_rational`] gives the same piece of a torus. Source: Golovanov, *Geometric modelling*, §3.9 (3.9.3).
+/// If both surfaces are planes square to one axis, cylinders, cones and tori about it, or spheres with their centres on it
+/// (two spheres always are), a ball of constant radius that was so found and proven goes round a circle, u in proportion to
+/// the angle, and the fillet is that piece of a torus. Between parallel cylinders it is a piece of a cylinder.
+///
+/// Exactly a NURBS surface for a constant radius between planes, along a cylinder and between parallel ones; for pieces of a
+/// torus [`Surface::to_rational`] gives the same shape. Source: Golovanov, *Geometric modelling*, §3.9 (3.9.3).
 #[derive(Clone, Debug)]
 pub struct Fillet {
     form: Separable,
-    path: Path,
+    /// The ball's path, where it has a formula.
+    ball: Option<Arc<RollingBall>>,
+    /// The same path as the solution of the contacts' equations.
+    spine: Option<Arc<Spine>>,
     origin: DVec3,
     nurbs: Option<NurbsSurface>,
     rational: Option<NurbsSurface>,
-}
-
-/// How the ball's path is known.
-#[derive(Clone, Debug)]
-enum Path {
-    /// By a formula.
-    Exact(Arc<RollingBall>),
-    /// As the solution of the contacts' equations.
-    Traced(Arc<Spine>),
 }
 
 impl Fillet {
@@ -130,7 +131,8 @@ impl Fillet {
                 let pair = ((origin, normal), (axis, rho, outward));
                 exact::at_cylinder(surfaces, pair, true, radius, &options)
             }
-            _ => Self::traced(first, second, radius, options),
+            [Some(a), Some(b)] => Self::followed(first, second, radius, options, Some([a, b])),
+            _ => Self::followed(first, second, radius, options, None),
         }
     }
 
@@ -142,14 +144,31 @@ impl Fillet {
         options: FilletOptions,
     ) -> Result<Self, FilletError> {
         check_radius(&radius)?;
+        Self::followed(first, second, radius, options, None)
+    }
+
+    /// The ball is followed. Where the surfaces' forms tell a motion that carries both into themselves, a path of constant
+    /// radius has a formula.
+    fn followed(
+        first: &SurfaceRef,
+        second: &SurfaceRef,
+        radius: Radius,
+        options: FilletOptions,
+        forms: Option<[Elementary; 2]>,
+    ) -> Result<Self, FilletError> {
         if options.range.is_some() {
             return Err(FilletError::RangeOfTraced);
         }
-        let spine = traced::spine([first.clone(), second.clone()], radius, &options)?;
+        let supports = [first.clone(), second.clone()];
+        let (spine, carried) = traced::spine(supports, radius.clone(), &options, forms)?;
+        if let (Some(carried), Radius::Constant(radius)) = (carried, radius) {
+            return exact::carried(carried, spine, radius);
+        }
         let (origin, spine) = (spine.supports.origin, Arc::new(spine));
         Ok(Self {
             form: arc_sections(spine.clone(), origin),
-            path: Path::Traced(spine),
+            ball: None,
+            spine: Some(spine),
             origin,
             nurbs: None,
             rational: None,
@@ -158,35 +177,32 @@ impl Fillet {
 
     /// The ball's centre, and its radius, at a parameter u.
     pub fn ball(&self, u: f64) -> (DVec3, f64) {
-        let (centre, radius) = match &self.path {
-            Path::Exact(ball) => ball.centre(u),
-            Path::Traced(spine) => {
+        let (centre, radius) = match (&self.ball, &self.spine) {
+            (Some(ball), _) => ball.centre(u),
+            (None, Some(spine)) => {
                 let ball = spine.ball(u, inner_limit(spine, u), 0);
                 let centre = ball.centre.each_ref().map(|x| x.value());
                 (DVec3::from_array(centre), ball.radius.value())
             }
+            (None, None) => (DVec3::NAN, f64::NAN),
         };
         (self.origin + centre, radius)
     }
 
     /// The curve of contacts in the parameter plane of the first or second surface (index 0 or 1), two functions of the
-    /// fillet's u: where that surface is trimmed. `None` where the fillet has a formula. The curves in space are the
-    /// fillet's sides south and north. Panics for another index.
+    /// fillet's u: where that surface is trimmed. `None` between two planes, and between a plane and a cylinder. The curves
+    /// in space are the fillet's sides south and north. Panics for another index.
     pub fn contacts(&self, index: usize) -> Option<FunctionsRef> {
         assert!(index < 2, "there are two supports");
-        match &self.path {
-            Path::Exact(_) => None,
-            Path::Traced(spine) => Some(Arc::new(ContactCurve::new(spine.clone(), index))),
-        }
+        let spine = self.spine.as_ref()?;
+        Some(Arc::new(ContactCurve::new(spine.clone(), index)))
     }
 
     /// The certificate at a parameter: a proven bound of how far the distances of [`Self::ball`]'s centre from both
-    /// contacts, which are enclosed, are from the radius. `None` where the fillet has a formula.
+    /// contacts, which are enclosed, are from the radius. `None` between two planes, and between a plane and a cylinder.
     pub fn contact_error(&self, u: f64) -> Option<f64> {
-        match &self.path {
-            Path::Exact(_) => None,
-            Path::Traced(spine) => Some(spine.contact_error(u, self.ball(u).0 - self.origin)),
-        }
+        let spine = self.spine.as_ref()?;
+        Some(spine.contact_error(u, self.ball(u).0 - spine.supports.origin))
     }
 }
 
@@ -243,5 +259,9 @@ impl Surface for Fillet {
 
     fn to_rational(&self) -> Option<NurbsSurface> {
         self.rational.clone()
+    }
+
+    fn elementary(&self) -> Option<Elementary> {
+        self.ball.as_ref()?.elementary(self.origin)
     }
 }

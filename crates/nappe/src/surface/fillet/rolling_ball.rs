@@ -12,7 +12,8 @@ use crate::frame::Frame;
 use crate::interval::Interval;
 use crate::scalar::{Number, Pack};
 use crate::series::{Series, series_dot, series_norm2};
-use glam::DVec3;
+use crate::surface::Elementary;
+use glam::{DVec2, DVec3};
 use smallvec::SmallVec;
 
 /// The radius of a fillet.
@@ -61,6 +62,13 @@ pub(super) enum Track {
     Turning(Cylinder),
     /// A plane and a cylinder with an axis parallel to it. The ball is at the length s along the axis.
     Along { cylinder: Cylinder, branch: f64 },
+    /// Two surfaces of revolution about one axis, the z of a frame: the ball is at the angle s about it, in the plane z = 0,
+    /// on a ring of the given radius. The normals are constant in the half-plane through the axis: outwards, and along z.
+    Ring {
+        frame: Frame,
+        ring: f64,
+        normals: [DVec2; 2],
+    },
 }
 
 #[derive(Clone, Debug)]
@@ -176,6 +184,17 @@ impl RollingBall {
                     [constant(c.normal, order), times(&aside, &inverse)],
                 )
             }
+            Track::Ring {
+                frame,
+                ring,
+                normals,
+            } => {
+                let (sin, cos) = s.sin_cos();
+                let outwards = sum(&along(frame.x(), &cos), &along(frame.y(), &sin));
+                let scaled = |f: f64| outwards.each_ref().map(|x| x.scale(S::from(f)));
+                let normal = |n: DVec2| sum(&scaled(n.x), &constant(frame.z() * n.y, order));
+                (scaled(*ring), normals.map(normal))
+            }
         };
         if self.swapped {
             normals.swap(0, 1);
@@ -201,6 +220,28 @@ impl RollingBall {
         )
     }
 
+    /// The torus or cylinder that a constant radius sweeps, with its normals to the ball. `origin` is what the track is
+    /// measured from.
+    pub(super) fn elementary(&self, origin: DVec3) -> Option<Elementary> {
+        let Radius::Constant(radius) = self.radius else {
+            return None;
+        };
+        match &self.track {
+            Track::Planes { d, q, .. } => Some(Elementary::Cylinder {
+                axis: Frame::along(origin + *q * radius, *d).ok()?,
+                radius,
+                outward: false,
+            }),
+            Track::Ring { frame, ring, .. } => Some(Elementary::Torus {
+                axis: *frame,
+                major: *ring,
+                minor: radius,
+                outward: false,
+            }),
+            Track::Turning(_) | Track::Along { .. } => None,
+        }
+    }
+
     /// The eleven values at a parameter.
     pub(super) fn values(&self, u: f64) -> [f64; COUNT] {
         let mut out = [0.0; COUNT];
@@ -218,7 +259,7 @@ impl RollingBall {
         let radius = self.radius.series_over(u, limit, 2);
         let positive = radius.value();
         let root = match &self.track {
-            Track::Planes { .. } => Interval::ONE,
+            Track::Planes { .. } | Track::Ring { .. } => Interval::ONE,
             Track::Turning(c) => distance(c, &radius).value(),
             Track::Along { cylinder, .. } => {
                 let rho = distance(cylinder, &radius).value();

@@ -1,18 +1,18 @@
 //! The ball between any two surfaces as a function of u: the contacts solve their equations in the planes square to a
 //! guide, exactly; nothing is fitted.
 //!
-//! The guide is a spline near the path of the centre; its only part is to say which plane belongs to which u. A table
+//! The guide is a curve near the path of the centre, most often a spline; its only part is to say which plane belongs to which u. A table
 //! holds the contacts at some u. Between them Newton's method gives them to rounding, the equations' derivatives give their
 //! series of any order, and Krawczyk's operator encloses them over a range of u, which proves that they exist and are
 //! the only ones near. Source: Neumaier, *Interval methods for systems of equations*, §5.1.
 
 use super::contact::{AT_BREAK, Course, Expansion, Fourth, Place, State, Supports};
+use super::memo::Memo;
 use super::rolling_ball::{Ball, COUNT, Radius, Vector, regular, write_sections};
 use crate::basis::Functions;
 use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit};
-use crate::curve::Curve;
-use crate::exact::NurbsCurve;
+use crate::curve::{Curve, CurveRef};
 use crate::interval::Interval;
 use crate::series::Series;
 use glam::{DMat4, DVec3};
@@ -66,10 +66,11 @@ pub(super) struct Spine {
     pub supports: Supports,
     pub radius: Radius,
     /// Measured from the supports' origin.
-    pub guide: NurbsCurve,
+    pub guide: CurveRef,
     pub breaks: Vec<Break>,
     pub pieces: Vec<Piece>,
     cells: Vec<Cell>,
+    memo: Memo,
 }
 
 /// What cannot be proven about the contacts, and where.
@@ -93,7 +94,7 @@ impl Spine {
     pub(super) fn new(
         supports: Supports,
         radius: Radius,
-        guide: NurbsCurve,
+        guide: CurveRef,
         breaks: Vec<Break>,
         pieces: Vec<Piece>,
     ) -> Self {
@@ -104,11 +105,12 @@ impl Spine {
             breaks,
             pieces,
             cells: Vec::new(),
+            memo: Memo::default(),
         }
     }
 
     fn course(&self, u: f64, limit: Limit, order: usize) -> Course<f64> {
-        course(&self.guide, &self.radius, u, limit, order)
+        course(self.guide.as_ref(), &self.radius, u, limit, order)
     }
 
     fn course_over(&self, u: Interval, limit: Limit, order: usize) -> Course<Interval> {
@@ -333,6 +335,7 @@ impl Spine {
             }
         }
         self.cells = cells;
+        self.memo = Memo::default();
         Ok(())
     }
 
@@ -387,24 +390,39 @@ impl Spine {
 
     /// Enclosures of the contacts over a range of u in one piece, cell by cell.
     fn each(&self, u: Interval, limit: Limit, mut take: impl FnMut(Interval, Option<Enclosed>)) {
+        for (cell, part) in self.parts(u, limit) {
+            take(part, self.enclosed(cell, part, limit));
+        }
+    }
+
+    fn enclosed(&self, cell: Option<&Cell>, u: Interval, limit: Limit) -> Option<Enclosed> {
+        match cell {
+            Some(cell) => self.within(cell, u, limit),
+            None => self.krawczyk(u, limit).map(|(e, _)| e),
+        }
+    }
+
+    /// A range of u in one piece, cut where cells meet; without a cell before they are proven.
+    fn parts(&self, u: Interval, limit: Limit) -> Vec<(Option<&Cell>, Interval)> {
         let piece = self.breaks.piece(self.breaks.find(u.mid(), limit));
         let start = self.cells.partition_point(|c| c.u.lo < piece.lo);
         let end = self.cells.partition_point(|c| c.u.lo < piece.hi);
         let cells = &self.cells[start..end];
         if cells.is_empty() {
-            return take(u, self.krawczyk(u, limit).map(|(e, _)| e));
+            return vec![(None, u)];
         }
         let first = cells.partition_point(|c| c.u.hi <= u.lo && !u.is_point() || c.u.hi < u.lo);
         let first = first.min(cells.len() - 1);
         let after = cells.partition_point(|c| c.u.lo < u.hi).max(first + 1);
         let last = if u.is_point() { first + 1 } else { after };
-        for (i, cell) in cells.iter().enumerate().take(last).skip(first) {
+        let part = |i: usize| {
             // The first and the last part reach as far as the range.
+            let cell = &cells[i];
             let lo = if i == first { u.lo } else { cell.u.lo };
             let hi = if i + 1 == last { u.hi } else { cell.u.hi };
-            let part = Interval::new(lo, hi);
-            take(part, self.within(cell, part, limit));
-        }
+            (Some(cell), Interval::new(lo, hi))
+        };
+        (first..last).map(part).collect()
     }
 
     /// The contacts of a cell over a part of it.
@@ -521,7 +539,7 @@ fn write<S: crate::scalar::Number>(functions: &[Series<S>], order: usize, out: &
 
 /// The guide and the radius at a parameter.
 pub(super) fn course(
-    guide: &NurbsCurve,
+    guide: &dyn Curve,
     radius: &Radius,
     u: f64,
     limit: Limit,
@@ -606,20 +624,20 @@ impl Functions for Spine {
 
     fn enclose_piece(&self, t: Interval, limit: Limit, order: usize, out: &mut [Interval]) {
         let mut first = true;
-        let mut part = vec![Interval::ENTIRE; out.len()];
-        self.each(t, limit, |u, enclosed| {
-            match enclosed {
-                None => part.fill(Interval::ENTIRE),
-                Some(e) => {
+        for (cell, u) in self.parts(t, limit) {
+            let part = self.memo.get(u, limit, order, || {
+                let mut part = vec![Interval::ENTIRE; out.len()];
+                if let Some(e) = self.enclosed(cell, u, limit) {
                     let (ball, _, _) = self.ball_over(u, limit, &e, order + 1);
                     write_sections(&ball, order, &mut part);
                 }
-            }
-            for (o, p) in out.iter_mut().zip(&part) {
+                part.into()
+            });
+            for (o, p) in out.iter_mut().zip(part.iter()) {
                 *o = if first { *p } else { o.hull(*p) };
             }
             first = false;
-        });
+        }
     }
 }
 

@@ -10,6 +10,8 @@ const TURN: f64 = 0.15;
 const ASTRAY: f64 = 0.3;
 /// Relative to the size of both supports: the first step, and the shortest.
 const STEPS: [f64; 2] = [0.01, 1e-9];
+/// Relative to a step: a way so short has no direction.
+const STAYS: f64 = 1e-6;
 /// The most steps in one direction.
 const MOST: usize = 20_000;
 /// The most steps of Newton's method. From a good start it needs three or four.
@@ -120,7 +122,7 @@ impl Tracer<'_> {
     }
 
     /// A place in the domains, moved onto their ends from beyond them by rounding only.
-    fn inside(&self, mut x: Place<f64>) -> Option<Place<f64>> {
+    pub(super) fn inside(&self, mut x: Place<f64>) -> Option<Place<f64>> {
         for (x, d) in x.iter_mut().zip(self.supports.domain()) {
             let slack = AT_BREAK * d.width();
             if !(*x >= d.lo - slack && *x <= d.hi + slack) {
@@ -162,7 +164,7 @@ impl Tracer<'_> {
     }
 
     /// The path from a place in one sense; whether it closes.
-    fn walk(&self, start: &Sample, sense: f64) -> Result<(Vec<Sample>, bool), Lost> {
+    pub(super) fn walk(&self, start: &Sample, sense: f64) -> Result<(Vec<Sample>, bool), Lost> {
         let domain = self.supports.domain();
         let mut samples = vec![start.clone()];
         let mut step = STEPS[0] * self.size;
@@ -207,7 +209,11 @@ impl Tracer<'_> {
             let ((y, end), taken) = next;
             let sample = self.sample(y).ok_or_else(|| lost(x, &samples))?;
             let from = &samples[samples.len() - 1];
-            heading = (sample.centre - from.centre).try_normalize().or(heading);
+            // Two contacts may reach their seams at one place: the way between is rounding, and no heading.
+            let way = sample.centre - from.centre;
+            if way.length() > STAYS * taken {
+                heading = way.try_normalize().or(heading);
+            }
             if samples.len() > 2 && passes(start, from, &sample, taken) {
                 samples.push(start.clone());
                 return Ok((samples, true));

@@ -2,16 +2,18 @@
 
 use super::contact::{AT_BREAK, Place, Supports};
 use super::find::Search;
+use super::motion::{Carried, Motion};
 use super::rolling_ball::prove;
 use super::spine::{Node, Piece, Spine, Unsettled, course, newton};
 use super::trace::{Lost, Trace, Tracer};
 use super::{FilletError, FilletOptions, Radius};
 use crate::breaks::{Break, Limit, merge_breaks};
-use crate::curve::{Curve, InterpolateOptions, interpolate};
+use crate::curve::{Curve, CurveRef, InterpolateOptions, interpolate};
 use crate::exact::NurbsCurve;
 use crate::interval::Interval;
-use crate::surface::SurfaceRef;
+use crate::surface::{Elementary, SurfaceRef};
 use glam::DVec3;
+use std::sync::Arc;
 
 /// The guide's degree, and its turn from point to point in radians.
 const GUIDE: (usize, f64) = (5, 0.5);
@@ -40,13 +42,18 @@ const MOST_STOPS: usize = 8;
 const SAME_RADIUS: f64 = 1e-9;
 /// Steps from one radius to another.
 const RADII: usize = 8;
+/// How far inside of the path of another radius a ball is looked for that then rolls to its own end, as shares.
+const INSETS: [f64; 7] = [0.0, 0.01, 0.03, 0.1, 0.2, 0.35, 0.5];
+/// Samples of a radius for the least and the greatest one.
+const SAMPLES: usize = 64;
 
 /// The spine of the fillet between two surfaces, proven.
 pub(super) fn spine(
     surfaces: [SurfaceRef; 2],
     radius: Radius,
     options: &FilletOptions,
-) -> Result<Spine, FilletError> {
+    forms: Option<[Elementary; 2]>,
+) -> Result<(Spine, Option<Carried>), FilletError> {
     let (origin, size) = middle_and_size(&surfaces);
     let sides = options.side.unwrap_or([true; 2]);
     let supports = Supports {
@@ -59,19 +66,60 @@ pub(super) fn spine(
         radius: middle,
         fits: None,
     })?;
-    let trace = choose(&search, middle, options.near)?;
-    let (path, guide) = guided(&search, &radius, &trace)?;
+    let (main, trace) = main_path(&search, &radius, options.near)?;
+    // The path that a motion of both supports makes of a constant radius.
+    let carried = match radius {
+        Radius::Constant(r) => forms
+            .and_then(|forms| Motion::of(forms, size))
+            .and_then(|motion| motion.carry(&search.tracer(r), &trace)),
+        Radius::Along(_) => None,
+    };
+    let (start, guide) = match &carried {
+        Some(c) => (trace.samples[0].x, c.guide.clone()),
+        None => {
+            let (path, guide) = guided(&search, &radius, (main, &trace))?;
+            (path.start, Arc::new(guide) as CurveRef)
+        }
+    };
     let walker = Walker {
-        tracer: search.tracer(path.radius_at(0.0)?),
+        tracer: search.tracer(radius_at(&radius, 0.0)?),
         supports: &supports,
         radius: &radius,
         guide: &guide,
     };
-    let spine = settled(&walker, path.start)?;
+    let spine = settled(&walker, start)?;
     match prove(spine.ranges(), |u| spine.margins(u, Limit::Above)) {
-        Ok(()) => Ok(spine),
+        Ok(()) => match search.cut(&spine) {
+            None => Ok((spine, carried)),
+            Some(error) => Err(error),
+        },
         Err((condition, at, margin)) => Err(refused(&spine, condition, at, margin)),
     }
+}
+
+/// The path of one radius that can be taken: the middle one's, or else the least's or the greatest's.
+fn main_path(
+    search: &Search,
+    radius: &Radius,
+    near: Option<DVec3>,
+) -> Result<(f64, Trace), FilletError> {
+    let middle = radius_at(radius, 0.5)?;
+    let error = match (choose(search, middle, near), radius) {
+        (Ok(trace), _) => return Ok((middle, trace)),
+        (Err(e @ (FilletError::CutsIn { .. } | FilletError::Lost { .. })), Radius::Along(_)) => e,
+        (Err(e), _) => return Err(e),
+    };
+    let all: Result<Vec<f64>, _> = (0..=SAMPLES)
+        .map(|i| radius_at(radius, i as f64 / SAMPLES as f64))
+        .collect();
+    let all = all?;
+    let least = all.iter().copied().fold(middle, f64::min);
+    let greatest = all.iter().copied().fold(middle, f64::max);
+    [least, greatest]
+        .into_iter()
+        .filter(|r| *r != middle)
+        .find_map(|r| Some((r, choose(search, r, near).ok()?)))
+        .ok_or(error)
 }
 
 /// The table with its proof. A contact that leaves its piece between two places of the table and comes back is seen by the
@@ -113,15 +161,15 @@ fn settled(walker: &Walker, start: Place<f64>) -> Result<Spine, FilletError> {
 }
 
 /// The path with a guide that follows it: with too few points a spline may swing.
-fn guided<'a>(
-    search: &Search<'a>,
-    radius: &'a Radius,
-    trace: &Trace,
-) -> Result<(Path<'a>, NurbsCurve), FilletError> {
+fn guided(
+    search: &Search,
+    radius: &Radius,
+    (from, trace): (f64, &Trace),
+) -> Result<(Path, NurbsCurve), FilletError> {
     let mut count = (trace.turn / GUIDE.1).ceil() as usize + 1;
     loop {
         count = count.clamp(GUIDE.0 + 1, MOST_POINTS);
-        let path = Path::new(search, radius, trace, count)?;
+        let path = Path::new(search, radius, (from, trace), count)?;
         let guide = path.guide()?;
         let samples = 8 * count;
         let follows = (0..=samples).all(|k| {
@@ -275,20 +323,79 @@ fn lost_at(tracer: &Tracer, lost: &Lost) -> FilletError {
 }
 
 /// Points of the centre's path, from which the guide is made.
-struct Path<'a> {
-    radius: &'a Radius,
+struct Path {
     start: Place<f64>,
     closed: bool,
     centres: Vec<DVec3>,
 }
 
-impl<'a> Path<'a> {
-    /// Along the path of the middle radius. A ball of another radius at a share of the length is that share along its own
-    /// path.
+/// What finds balls of other radii beside the path of one radius.
+struct Beside<'a> {
+    search: &'a Search<'a>,
+    trace: &'a Trace,
+    radius: f64,
+}
+
+impl Beside<'_> {
+    /// The place of a ball of another radius, in the plane at a length along the path or its straight continuation.
+    fn place(&self, radius: f64, length: f64) -> Result<Place<f64>, FilletError> {
+        let whole = self.trace.length();
+        let (x, c, d) = self.trace.at(length / whole);
+        let point = c + d * (length - length.clamp(0.0, whole));
+        let tracer = self.search.tracer(radius);
+        let found = (1..=RADII).try_fold(x, |x, k| {
+            let r = self.radius + (radius - self.radius) * k as f64 / RADII as f64;
+            self.search.tracer(r).in_plane(x, point, d)
+        });
+        found.ok_or_else(|| lost_at(&tracer, &Lost { x, centre: c }))
+    }
+
+    /// Where a ball of another radius comes to the start (0) or the end (1) of its own path, from as near as it touches
+    /// both: the length along the main path, and the place.
+    fn end(&self, radius: f64, which: usize) -> Result<(f64, Place<f64>), FilletError> {
+        let tracer = self.search.tracer(radius);
+        let whole = self.trace.length();
+        let mut error = None;
+        for inset in INSETS {
+            let share = if which == 0 { inset } else { 1.0 - inset };
+            let x = match self.place(radius, share * whole) {
+                Ok(x) => x,
+                Err(e) => {
+                    error.get_or_insert(e);
+                    continue;
+                }
+            };
+            let Some(sample) = tracer.inside(x).and_then(|x| tracer.at(x)) else {
+                continue;
+            };
+            let sense = if which == 0 { -1.0 } else { 1.0 };
+            match tracer.walk(&sample, sense) {
+                Ok((samples, false)) => {
+                    let last = &samples[samples.len() - 1];
+                    let (_, c, d) = self.trace.at(which as f64);
+                    let along = which as f64 * whole + (last.centre - c).dot(d);
+                    return Ok((along, last.x));
+                }
+                Ok(_) => {}
+                Err(l) => {
+                    error.get_or_insert(lost_at(&tracer, &l));
+                }
+            }
+        }
+        Err(error.unwrap_or_else(|| {
+            let (x, centre, _) = self.trace.at(which as f64);
+            lost_at(&tracer, &Lost { x, centre })
+        }))
+    }
+}
+
+impl Path {
+    /// Along the path of one radius, `from`. A ball of another radius is beside it, in the plane square to it, at a share of
+    /// the way between the ends that it has itself: it need not roll anywhere else.
     fn new(
-        search: &Search<'a>,
-        radius: &'a Radius,
-        main: &Trace,
+        search: &Search,
+        radius: &Radius,
+        (from, main): (f64, &Trace),
         count: usize,
     ) -> Result<Self, FilletError> {
         if main.closed {
@@ -298,67 +405,48 @@ impl<'a> Path<'a> {
             }
         }
         let shares = shares(main, count);
-        let lost =
-            |tracer: &Tracer, x: Place<f64>, centre: DVec3| lost_at(tracer, &Lost { x, centre });
         let mut centres = Vec::with_capacity(shares.len());
         let mut start = main.samples[0].x;
-        let from = radius_at(radius, 0.5)?;
         let last = shares.len() - 1;
+        let beside = Beside {
+            search,
+            trace: main,
+            radius: from,
+        };
+        // Where the path of the first and of the last radius end, as lengths along the main one.
+        let mut ends = [0.0, main.length()];
+        if let (Radius::Along(_), false) = (radius, main.closed) {
+            let [first, end] = [0, 1].map(|k| beside.end(radius_at(radius, k as f64)?, k));
+            let ((begin, x), (stop, _)) = (first?, end?);
+            (ends, start) = ([begin, stop], x);
+        } else if let Radius::Along(_) = radius {
+            start = beside.place(radius_at(radius, 0.0)?, 0.0)?;
+        }
         for (i, &share) in shares.iter().enumerate() {
             let r = radius_at(radius, share)?;
             let tracer = search.tracer(r);
-            let own;
-            let trace = if let Radius::Constant(_) = radius {
-                main
-            } else {
-                // The start of a closed path stays where it is. From its middle an open one is found by any radius.
-                let (x, c, d) = main.at(if main.closed { 0.0 } else { 0.5 });
-                let other = (1..=RADII).try_fold(x, |x, k| {
-                    let r = from + (r - from) * k as f64 / RADII as f64;
-                    search.tracer(r).in_plane(x, c, d)
-                });
-                let seed = other.ok_or_else(|| lost(&tracer, x, c))?;
-                own = tracer.trace(seed).map_err(|l| lost_at(&tracer, &l))?;
-                if own.closed != main.closed {
-                    return Err(lost(&tracer, x, c));
+            let x = match i {
+                0 => start,
+                i if i == last && main.closed => start,
+                i if i == last && matches!(radius, Radius::Constant(_)) => {
+                    main.samples[main.samples.len() - 1].x
                 }
-                &own
+                _ => beside.place(r, ends[0] + share * (ends[1] - ends[0]))?,
             };
-            let n = trace.samples.len() - 1;
-            let end = if i == 0 {
-                Some(0)
-            } else if i == last {
-                Some(n)
-            } else {
-                None
-            };
-            if let Some(end) = end {
-                centres.push(trace.samples[end].centre);
-                if i == 0 {
-                    start = trace.samples[0].x;
-                }
-                continue;
-            }
-            let (x, c, d) = trace.at(share);
-            let x = tracer
-                .in_plane(x, c, d)
-                .ok_or_else(|| lost(&tracer, x, c))?;
-            let sample = tracer.at(x).ok_or_else(|| lost(&tracer, x, c))?;
+            let sample = tracer.at(x).ok_or_else(|| {
+                let centre = main.at(share).1;
+                lost_at(&tracer, &Lost { x, centre })
+            })?;
             centres.push(sample.centre);
         }
         if main.closed {
             centres[last] = centres[0];
         }
         Ok(Self {
-            radius,
             start,
             closed: main.closed,
             centres,
         })
-    }
-
-    fn radius_at(&self, u: f64) -> Result<f64, FilletError> {
-        radius_at(self.radius, u)
     }
 
     fn guide(&self) -> Result<NurbsCurve, FilletError> {
@@ -410,7 +498,7 @@ struct Walker<'a> {
     tracer: Tracer<'a>,
     supports: &'a Supports,
     radius: &'a Radius,
-    guide: &'a NurbsCurve,
+    guide: &'a CurveRef,
 }
 
 impl Walker<'_> {
@@ -432,7 +520,7 @@ impl Walker<'_> {
         u: f64,
         limit: Limit,
     ) -> Option<Place<f64>> {
-        let course = course(self.guide, self.radius, u, limit, 0);
+        let course = course(self.guide.as_ref(), self.radius, u, limit, 0);
         let mut last = f64::INFINITY;
         for _ in 0..NEWTON {
             let (step, length) = newton(self.supports, x, within, &course)?;

@@ -128,21 +128,30 @@ fn all_instruction_sets_give_the_bits_of_single_points() {
             for set in InstructionSet::all() {
                 for order in 0..=KERNEL_ORDER {
                     let each = crate::surface::jet_len(order);
-                    let mut out = vec![DVec3::ZERO; uv.len() * each];
-                    let (u, v, out) = (&u, &v, &mut out);
-                    jets_on(set, Grid { surface, u, v, out }, order);
-                    for (out, &uv) in out.chunks_exact(each).zip(&uv) {
-                        let single = surface.jet(uv, [Limit::Above; 2], order).d;
-                        assert_eq!(bits(out), bits(&single), "{k}, {uv:?}, order {order}");
+                    // Through the caches and past them.
+                    for large in [usize::MAX, 0] {
+                        let mut out = vec![DVec3::ZERO; uv.len() * each];
+                        let (u, v) = (&u, &v);
+                        Places::of(&mut out, large, |out| {
+                            jets_on(set, Grid { surface, u, v, out }, order);
+                        });
+                        for (out, &uv) in out.chunks_exact(each).zip(&uv) {
+                            let single = surface.jet(uv, [Limit::Above; 2], order).d;
+                            assert_eq!(bits(out), bits(&single), "{k}, {uv:?}, order {order}");
+                        }
                     }
                 }
-                let mut out = vec![[DVec3::ZERO; 2]; uv.len()];
-                let (u, v, out) = (&u, &v, &mut out);
-                normals_on(set, Grid { surface, u, v, out });
-                for (out, &uv) in out.iter().zip(&uv) {
-                    let normal = normal_at(surface, uv, [Limit::Above; 2]);
-                    let single = [surface.point(uv), normal.vector().unwrap_or(DVec3::ZERO)];
-                    assert_eq!(bits(out), bits(&single), "{k}, {uv:?}, normal");
+                for large in [usize::MAX, 0] {
+                    let mut out = vec![[DVec3::ZERO; 2]; uv.len()];
+                    let (u, v) = (&u, &v);
+                    Places::of(out.as_flattened_mut(), large, |out| {
+                        normals_on(set, Grid { surface, u, v, out });
+                    });
+                    for (out, &uv) in out.iter().zip(&uv) {
+                        let normal = normal_at(surface, uv, [Limit::Above; 2]);
+                        let single = [surface.point(uv), normal.vector().unwrap_or(DVec3::ZERO)];
+                        assert_eq!(bits(out), bits(&single), "{k}, {uv:?}, normal");
+                    }
                 }
             }
         }

@@ -1,0 +1,70 @@
+//! What files of exact geometry hold: bodies and curves with names and colours.
+
+use crate::Colour;
+use nappe::body::Body;
+use nappe::{CurveRef, DVec3, Units};
+
+/// The content of a file of exact geometry, read or to be written. Assemblies are laid out: every placed part is an item,
+/// with its coordinates in the whole.
+#[derive(Clone, Debug, Default)]
+pub struct Document {
+    /// The name of the product or file, if it has one.
+    pub name: Option<String>,
+    /// The unit of all coordinates. Files in other units (µm, miles) are converted to the nearest of these.
+    pub units: Units,
+    /// The distance within which the file says that its parts agree, in `units`; `None` if it says nothing.
+    pub uncertainty: Option<f64>,
+    /// Everything in it, in the order of the file.
+    pub items: Vec<Item>,
+    /// What a reader could not take over.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// One object of a document.
+#[derive(Clone, Debug)]
+pub struct Item {
+    /// Its name; for a part of an assembly the names on the way to it, separated by `/`. Empty if it has none.
+    pub name: String,
+    /// Its colour, if it has one.
+    pub colour: Option<Colour>,
+    /// The geometry.
+    pub form: ItemForm,
+}
+
+/// The geometry of an item.
+#[derive(Clone, Debug)]
+pub enum ItemForm {
+    /// A solid, a sheet or single faces.
+    Body {
+        /// The faces and what bounds them.
+        body: Body,
+        /// For each face its own name and colour, where it has one; empty if none has.
+        faces: Vec<FaceStyle>,
+    },
+    /// A curve that bounds nothing.
+    Curve(CurveRef),
+    /// Points.
+    Points(Vec<DVec3>),
+}
+
+/// What a file says of a single face.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FaceStyle {
+    /// Its name; empty if it has none.
+    pub name: String,
+    /// Its colour, if it differs from that of its body.
+    pub colour: Option<Colour>,
+}
+
+/// Things of one kind that a reader left out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// What they are, in the words of the format: `OFFSET_SURFACE`, `entity 140`.
+    pub what: String,
+    /// Why they were left out.
+    pub why: String,
+    /// How many.
+    pub count: usize,
+    /// The first of them, as the file numbers it: `#123`, `D45`.
+    pub first: String,
+}

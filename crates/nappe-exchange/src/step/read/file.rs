@@ -1,0 +1,393 @@
+//! A file with its entities, found by number and by kind.
+
+use super::super::StepError;
+use super::scan::{Entry, Kind, Scan, line, scan};
+use super::text;
+use super::value::{Cursor, Value};
+use std::cell::Cell;
+
+/// Why one entity cannot be read.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Refused {
+    /// Its keyword.
+    pub(super) what: String,
+    /// The reason.
+    pub(super) why: String,
+    /// Its number.
+    pub(super) id: u64,
+}
+
+/// What reading an entity gives.
+pub(super) type Got<T> = Result<T, Refused>;
+
+/// How to get from numbers to entities.
+#[derive(Debug)]
+enum Places {
+    /// For each number the entity's index plus one, 0 for none.
+    Table(Vec<u32>),
+    /// Indices in the order of the numbers.
+    Order(Vec<u32>),
+}
+
+/// A table may be this many times as long as the list of entities; sparser numbers are searched.
+const SPARSE: u64 = 3;
+/// A file whose entities refer to each other so often goes round in a circle, or is made to keep a reader busy.
+const MOST_READS: u64 = 1 << 32;
+
+/// A file in memory.
+#[derive(Debug)]
+pub(super) struct File<'b> {
+    bytes: &'b [u8],
+    scan: Scan,
+    places: Places,
+    reads: Cell<u64>,
+}
+
+impl<'b> File<'b> {
+    /// Finds the entities of a file. Errors: as [`scan`].
+    pub(super) fn new(bytes: &'b [u8]) -> Result<Self, StepError> {
+        let mut scan = scan(bytes)?;
+        let places = places(bytes, &scan.entries)?;
+        scan.entries.shrink_to_fit();
+        Ok(Self {
+            bytes,
+            scan,
+            places,
+            reads: Cell::new(0),
+        })
+    }
+
+    /// How many entities there are.
+    pub(super) fn count(&self) -> usize {
+        self.scan.entries.len()
+    }
+
+    /// All keywords with how often they occur.
+    pub(super) fn kinds(&self) -> &[Kind] {
+        &self.scan.kinds
+    }
+
+    /// The numbers of all entities of a kind, in the order of the file.
+    pub(super) fn all<'a>(&'a self, kind: &str) -> impl Iterator<Item = u64> + 'a {
+        let number = self.scan.kinds.iter().position(|k| k.name == kind);
+        let entries: &[Entry] = if number.is_some() {
+            &self.scan.entries
+        } else {
+            &[]
+        };
+        let of = move |e: &&Entry| Some(e.kind as usize) == number;
+        entries.iter().filter(of).map(|e| e.id)
+    }
+
+    fn entry(&self, id: u64) -> Option<Entry> {
+        let entries = &self.scan.entries;
+        match &self.places {
+            Places::Table(table) => {
+                let i = *table.get(usize::try_from(id).ok()?)?;
+                Some(entries[(i as usize).checked_sub(1)?])
+            }
+            Places::Order(order) => {
+                let i = order.binary_search_by_key(&id, |&i| entries[i as usize].id);
+                Some(entries[order[i.ok()?] as usize])
+            }
+        }
+    }
+
+    /// The keyword of an entity (with a parenthesis before it for a complex one); empty if there is none.
+    pub(super) fn kind(&self, id: u64) -> &str {
+        self.entry(id)
+            .map_or("", |e| &self.scan.kinds[e.kind as usize].name)
+    }
+
+    /// A refusal of an entity.
+    pub(super) fn refused(&self, id: u64, why: impl Into<String>) -> Refused {
+        let what = match self.kind(id).trim_start_matches('(') {
+            "" => format!("#{id}"),
+            kind => kind.to_owned(),
+        };
+        let why = why.into();
+        Refused { what, why, id }
+    }
+
+    fn begin(&self, id: u64) -> Got<Entry> {
+        self.reads.set(self.reads.get() + 1);
+        if self.reads.get() > MOST_READS {
+            return Err(self.refused(id, "the file refers to its entities too often"));
+        }
+        self.entry(id)
+            .ok_or_else(|| self.refused(id, "the file refers to it, but does not have it"))
+    }
+
+    /// Where an entity is, for a message.
+    fn placed(&self, entry: Entry, why: &str) -> Refused {
+        self.refused(
+            entry.id,
+            format!("line {}: {why}", line(self.bytes, entry.at)),
+        )
+    }
+
+    /// An entity with its parameters.
+    pub(super) fn record(&self, id: u64) -> Got<Record<'_>> {
+        let entry = self.begin(id)?;
+        let mut cursor = Cursor::new(self.bytes, entry.at);
+        let mut parts = Vec::with_capacity(1);
+        let mut read = || -> Result<(), String> {
+            if cursor.peek() != Some(b'(') {
+                parts.push((cursor.keyword()?, cursor.list(0)?));
+                return Ok(());
+            }
+            cursor.expect(b'(', "`(`")?;
+            while cursor.peek() != Some(b')') {
+                parts.push((cursor.keyword()?, cursor.list(0)?));
+            }
+            Ok(())
+        };
+        read().map_err(|why| self.placed(entry, &why))?;
+        let file = self;
+        Ok(Record { file, id, parts })
+    }
+
+    /// The numbers of a `CARTESIAN_POINT` or `DIRECTION`, as many as there are up to three; the rest are 0.
+    pub(super) fn triple(&self, id: u64, kind: &str) -> Got<[f64; 3]> {
+        let entry = self.begin(id)?;
+        if self.scan.kinds[entry.kind as usize].name != kind {
+            return Err(self.refused(id, format!("it is not a {kind}")));
+        }
+        let mut cursor = Cursor::new(self.bytes, entry.at);
+        let mut read = || -> Result<[f64; 3], String> {
+            cursor.keyword()?;
+            cursor.expect(b'(', "`(`")?;
+            cursor.value(0)?;
+            cursor.expect(b',', "`,`")?;
+            cursor.expect(b'(', "`(`")?;
+            let mut x = [0.0; 3];
+            for (i, x) in x.iter_mut().enumerate() {
+                if i > 0 {
+                    if cursor.peek() == Some(b')') {
+                        break;
+                    }
+                    cursor.expect(b',', "`,` or `)`")?;
+                }
+                *x = cursor.real()?;
+            }
+            cursor.expect(b')', "`)` after at most three numbers")?;
+            Ok(x)
+        };
+        read().map_err(|why| self.placed(entry, &why))
+    }
+
+    /// The first text of an entity of the header: the file's name of `FILE_NAME`.
+    pub(super) fn header(&self, keyword: &str) -> Option<String> {
+        self.scan.header.iter().find_map(|&at| {
+            let mut cursor = Cursor::new(self.bytes, at);
+            let name = cursor.keyword().ok()?;
+            if !name.eq_ignore_ascii_case(keyword.as_bytes()) {
+                return None;
+            }
+            first_text(&cursor.list(0).ok()?)
+        })
+    }
+}
+
+fn first_text(values: &[Value<'_>]) -> Option<String> {
+    values.iter().find_map(|v| match v {
+        Value::Text(t) => Some(text::decode(t)),
+        Value::List(l) => first_text(l),
+        _ => None,
+    })
+}
+
+fn places(bytes: &[u8], entries: &[Entry]) -> Result<Places, StepError> {
+    let twice = |a: Entry, b: Entry| StepError::Twice {
+        id: a.id,
+        lines: [a, b].map(|e| line(bytes, e.at)),
+    };
+    let greatest = entries.iter().map(|e| e.id).max().unwrap_or(0);
+    if greatest <= SPARSE * entries.len() as u64 {
+        let mut table = vec![0; greatest as usize + 1];
+        for (i, e) in entries.iter().enumerate() {
+            let place = &mut table[e.id as usize];
+            if *place != 0 {
+                return Err(twice(entries[*place as usize - 1], *e));
+            }
+            *place = i as u32 + 1;
+        }
+        return Ok(Places::Table(table));
+    }
+    let mut order: Vec<u32> = (0..entries.len() as u32).collect();
+    order.sort_by_key(|&i| entries[i as usize].id);
+    for pair in order.windows(2) {
+        let [a, b] = [pair[0], pair[1]].map(|i| entries[i as usize]);
+        if a.id == b.id {
+            return Err(twice(a, b));
+        }
+    }
+    Ok(Places::Order(order))
+}
+
+/// An entity with its parameters.
+#[derive(Clone, Debug)]
+pub(super) struct Record<'a> {
+    file: &'a File<'a>,
+    /// Its number.
+    pub(super) id: u64,
+    /// Keyword and parameters; several of a complex entity.
+    parts: Vec<(&'a [u8], Vec<Value<'a>>)>,
+}
+
+impl<'a> Record<'a> {
+    /// The keyword of an entity that is not complex; else empty.
+    pub(super) fn kind(&self) -> &'a str {
+        match self.parts.as_slice() {
+            [(name, _)] => std::str::from_utf8(name).unwrap_or(""),
+            _ => "",
+        }
+    }
+
+    /// The parameters under a keyword.
+    pub(super) fn part(&self, keyword: &str) -> Option<Args<'_, 'a>> {
+        let part = self
+            .parts
+            .iter()
+            .find(|p| p.0.eq_ignore_ascii_case(keyword.as_bytes()))?;
+        Some(self.arguments(&part.1))
+    }
+
+    /// The same, or a refusal.
+    pub(super) fn needed(&self, keyword: &str) -> Got<Args<'_, 'a>> {
+        self.part(keyword)
+            .ok_or_else(|| self.refused(format!("it has no part {keyword}")))
+    }
+
+    /// The parameters of an entity that is not complex (of a complex one those of its first part).
+    pub(super) fn args(&self) -> Args<'_, 'a> {
+        self.arguments(self.parts.first().map_or(&[], |p| &p.1))
+    }
+
+    fn arguments<'r>(&'r self, values: &'r [Value<'a>]) -> Args<'r, 'a> {
+        Args {
+            file: self.file,
+            id: self.id,
+            values,
+        }
+    }
+
+    /// A refusal of this entity.
+    pub(super) fn refused(&self, why: impl Into<String>) -> Refused {
+        self.file.refused(self.id, why)
+    }
+
+    /// All references among the parameters, at any depth.
+    pub(super) fn references(&self) -> Vec<u64> {
+        let mut found = Vec::new();
+        for part in &self.parts {
+            references(&part.1, &mut found);
+        }
+        found
+    }
+}
+
+fn references(values: &[Value<'_>], found: &mut Vec<u64>) {
+    for v in values {
+        match v {
+            Value::Ref(id) => found.push(*id),
+            Value::List(l) | Value::Typed(_, l) => references(l, found),
+            _ => {}
+        }
+    }
+}
+
+/// A list of parameters, of which each is of the kind that is asked for or refused.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Args<'r, 'a> {
+    file: &'a File<'a>,
+    id: u64,
+    /// The parameters.
+    pub(super) values: &'r [Value<'a>],
+}
+
+impl<'r, 'a> Args<'r, 'a> {
+    fn wrong(&self, i: usize, what: &str) -> Refused {
+        self.file
+            .refused(self.id, format!("its parameter {} is not {what}", i + 1))
+    }
+
+    /// A refusal of the entity.
+    pub(super) fn refused(&self, why: impl Into<String>) -> Refused {
+        self.file.refused(self.id, why)
+    }
+
+    pub(super) fn get(&self, i: usize) -> Option<&'r Value<'a>> {
+        self.values.get(i)
+    }
+
+    pub(super) fn reference(&self, i: usize) -> Got<u64> {
+        match self.get(i) {
+            Some(Value::Ref(id)) => Ok(*id),
+            _ => Err(self.wrong(i, "a reference")),
+        }
+    }
+
+    pub(super) fn real(&self, i: usize) -> Got<f64> {
+        self.get(i)
+            .and_then(number)
+            .ok_or_else(|| self.wrong(i, "a number"))
+    }
+
+    /// A number that is not negative and not too large to be a count.
+    pub(super) fn count(&self, i: usize) -> Got<usize> {
+        match self.get(i) {
+            Some(Value::Int(n)) if (0..=i64::from(u32::MAX)).contains(n) => Ok(*n as usize),
+            _ => Err(self.wrong(i, "a whole number")),
+        }
+    }
+
+    /// The text of a name; empty where there is none.
+    pub(super) fn text(&self, i: usize) -> String {
+        match self.get(i) {
+            Some(Value::Text(t)) => text::decode(t),
+            _ => String::new(),
+        }
+    }
+
+    /// `.T.` or `.F.`.
+    pub(super) fn flag(&self, i: usize) -> Got<bool> {
+        match self.get(i) {
+            Some(Value::Enum(b"T")) => Ok(true),
+            Some(Value::Enum(b"F")) => Ok(false),
+            _ => Err(self.wrong(i, "true or false")),
+        }
+    }
+
+    pub(super) fn list(&self, i: usize) -> Got<Args<'r, 'a>> {
+        match self.get(i) {
+            Some(Value::List(values)) => Ok(Args { values, ..*self }),
+            _ => Err(self.wrong(i, "a list")),
+        }
+    }
+
+    pub(super) fn references(&self, i: usize) -> Got<Vec<u64>> {
+        let list = self.list(i)?;
+        (0..list.values.len()).map(|k| list.reference(k)).collect()
+    }
+
+    pub(super) fn reals(&self, i: usize) -> Got<Vec<f64>> {
+        let list = self.list(i)?;
+        (0..list.values.len()).map(|k| list.real(k)).collect()
+    }
+
+    pub(super) fn counts(&self, i: usize) -> Got<Vec<usize>> {
+        let list = self.list(i)?;
+        (0..list.values.len()).map(|k| list.count(k)).collect()
+    }
+}
+
+/// The number of a value, in a type or not.
+pub(super) fn number(v: &Value<'_>) -> Option<f64> {
+    match v {
+        Value::Real(x) => Some(*x),
+        Value::Int(i) => Some(*i as f64),
+        Value::Typed(_, l) => number(l.first()?),
+        _ => None,
+    }
+}

@@ -1,0 +1,39 @@
+//! What is left out, counted.
+
+use super::file::Refused;
+use crate::LeftOut;
+use std::collections::HashMap;
+
+/// More different reasons than this are one: a list that nobody reads to its end.
+const REASONS: usize = 200;
+
+/// A list of things left out.
+#[derive(Debug, Default)]
+pub(super) struct Left {
+    list: Vec<LeftOut>,
+    places: HashMap<(String, String), usize>,
+}
+
+impl Left {
+    pub(super) fn add(&mut self, refused: &Refused) {
+        let mut key = (refused.what.clone(), refused.why.clone());
+        if self.list.len() >= REASONS && !self.places.contains_key(&key) {
+            key = ("more".into(), "of many kinds and for many reasons".into());
+        }
+        if let Some(i) = self.places.get(&key) {
+            self.list[*i].count += 1;
+            return;
+        }
+        self.places.insert(key.clone(), self.list.len());
+        self.list.push(LeftOut {
+            what: key.0,
+            why: key.1,
+            count: 1,
+            first: format!("#{}", refused.id),
+        });
+    }
+
+    pub(super) fn done(self) -> Vec<LeftOut> {
+        self.list
+    }
+}

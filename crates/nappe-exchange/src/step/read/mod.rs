@@ -1,0 +1,331 @@
+//! STEP files in.
+
+mod cover;
+mod curves;
+mod faces;
+mod file;
+mod left;
+mod place;
+mod products;
+mod scan;
+mod splines;
+mod styles;
+mod surfaces;
+mod text;
+mod units;
+mod value;
+
+use super::StepError;
+use crate::{Colour, Document, FaceStyle, Item, ItemForm};
+use faces::Builder;
+use file::{File, Got, Refused};
+use left::Left;
+use nappe::Units;
+use nappe::body::Body;
+use place::Space;
+use products::{Placed, Tree};
+use std::collections::{HashMap, HashSet};
+
+/// What was read.
+#[derive(Clone, Debug, Default)]
+pub struct StepFile {
+    /// The shapes.
+    pub document: Document,
+    /// The standard that the file says it follows: `AUTOMOTIVE_DESIGN`.
+    pub schema: String,
+    /// The number of entities.
+    pub entities: usize,
+    /// How often each keyword occurs, the most frequent first.
+    pub kinds: Vec<(String, usize)>,
+}
+
+/// Items inside items are followed so far.
+const DEPTH: usize = 32;
+/// More items than this, placed ones counted as often as they are placed, are not read.
+const MOST: usize = 10_000_000;
+
+/// Reads a file from its bytes.
+///
+/// Shapes are read in the file's own unit if that is one of [`Units`], else in the nearest one. What is not understood, or
+/// is wrong in one place only, is listed in [`Document::left_out`]. Cost: one pass over the bytes, then each entity that a
+/// shape needs; the bytes stay in memory while that is done, with 28 bytes an entity.
+///
+/// # Errors
+/// [`StepError`]: no STEP file, one that is cut off, or two entities of one number.
+pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
+    let file = File::new(bytes)?;
+    let mut left = Left::default();
+    let mut tree = Tree::new(&file, Units::default(), &mut left);
+    let units = units(&file, &mut tree);
+    left = Left::default();
+    tree = Tree::new(&file, units, &mut left);
+    let placed = tree.laid_out(&mut left);
+    let mut reader = Reader {
+        file: &file,
+        colours: styles::colours(&file),
+        tree,
+        left,
+        document: Document {
+            units,
+            ..Document::default()
+        },
+        read: HashSet::new(),
+        items: 0,
+    };
+    for p in &placed {
+        reader.representation(p, None, 0);
+    }
+    reader.document.name = reader
+        .tree
+        .title()
+        .or_else(|| file.header("FILE_NAME"))
+        .filter(|n| !n.is_empty());
+    reader.document.left_out = reader.left.done();
+    let mut kinds: Vec<(String, usize)> = file
+        .kinds()
+        .iter()
+        .map(|k| (k.name.trim_start_matches('(').to_owned(), k.count))
+        .collect();
+    kinds.sort_by(|a, b| b.1.cmp(&a.1).then_with(|| a.0.cmp(&b.0)));
+    let schema = file.header("FILE_SCHEMA").unwrap_or_default();
+    Ok(StepFile {
+        document: reader.document,
+        schema: schema.split_whitespace().next().unwrap_or("").to_owned(),
+        entities: file.count(),
+        kinds,
+    })
+}
+
+/// The unit of the first representation that states one.
+fn units(file: &File<'_>, tree: &mut Tree<'_>) -> Units {
+    let kinds = file
+        .kinds()
+        .iter()
+        .filter(|k| k.name.ends_with("REPRESENTATION"));
+    let ids: Vec<u64> = kinds.flat_map(|k| file.all(&k.name)).collect();
+    ids.into_iter()
+        .map(|id| tree.context(id))
+        .find(|c| c.stated)
+        .unwrap_or_default()
+        .nearest()
+}
+
+struct Reader<'a> {
+    file: &'a File<'a>,
+    colours: HashMap<u64, Colour>,
+    tree: Tree<'a>,
+    left: Left,
+    document: Document,
+    /// Items that were read.
+    read: HashSet<u64>,
+    /// How many items were looked at.
+    items: usize,
+}
+
+impl<'a> Reader<'a> {
+    /// All items of a placed representation.
+    fn representation(&mut self, placed: &Placed, colour: Option<Colour>, depth: usize) {
+        let space = self.tree.space_of(placed);
+        let items = self
+            .file
+            .record(placed.id)
+            .and_then(|r| r.args().references(1));
+        let items = match items {
+            Ok(items) => items,
+            Err(r) => return self.left.add(&r),
+        };
+        let colour = self.colours.get(&placed.id).copied().or(colour);
+        for id in items {
+            if self.items > MOST {
+                return;
+            }
+            if placed.orphan && !self.read.insert(id) {
+                continue;
+            }
+            self.read.insert(id);
+            if let Err(r) = self.item(&space, placed, id, colour, depth) {
+                self.left.add(&r);
+            }
+        }
+    }
+
+    fn item(
+        &mut self,
+        space: &Space<'a>,
+        placed: &Placed,
+        id: u64,
+        inherited: Option<Colour>,
+        depth: usize,
+    ) -> Got<()> {
+        self.items += 1;
+        if depth > DEPTH || self.items > MOST {
+            return Err(self.file.refused(id, "items are made of items without end"));
+        }
+        let colour = self.colours.get(&id).copied().or(inherited);
+        match self.file.kind(id) {
+            // Where things are.
+            "AXIS2_PLACEMENT_3D" | "AXIS1_PLACEMENT" | "AXIS2_PLACEMENT_2D" => Ok(()),
+            "MAPPED_ITEM" => {
+                let (inner, map) = products::mapped(space, id)?;
+                let placed = Placed {
+                    id: inner,
+                    path: placed.path.clone(),
+                    map: placed.map * map,
+                    orphan: false,
+                };
+                self.representation(&placed, colour, depth + 1);
+                Ok(())
+            }
+            "MANIFOLD_SOLID_BREP" | "FACETED_BREP" | "BREP_WITH_VOIDS" => {
+                let record = self.file.record(id)?;
+                let args = record.args();
+                let mut shells = vec![args.reference(1)?];
+                if record.kind() == "BREP_WITH_VOIDS" {
+                    shells.extend(args.references(2)?);
+                }
+                self.body(space, placed, id, &shells, true, colour)
+            }
+            "SHELL_BASED_SURFACE_MODEL" | "FACE_BASED_SURFACE_MODEL" => {
+                let shells = self.file.record(id)?.args().references(1)?;
+                self.body(space, placed, id, &shells, false, colour)
+            }
+            "CLOSED_SHELL" | "OPEN_SHELL" | "CONNECTED_FACE_SET" => {
+                self.body(space, placed, id, &[id], false, colour)
+            }
+            "ADVANCED_FACE" | "FACE_SURFACE" => {
+                let mut builder = Builder::new(space);
+                let face = builder.face(id)?;
+                let shell = nappe::body::Shell {
+                    faces: vec![face],
+                    closed: false,
+                };
+                builder.body.shells.push(shell);
+                self.add_body(space, placed, id, builder, colour);
+                Ok(())
+            }
+            "GEOMETRIC_CURVE_SET" | "GEOMETRIC_SET" => self.set(space, placed, id, colour),
+            _ => {
+                let record = self.file.record(id)?;
+                if splines::is_curve(&record) || record.kind().ends_with("CURVE") {
+                    let curve = curves::course(space, id, 0)?
+                        .whole()
+                        .map_err(|e| record.refused(e))?;
+                    self.add(space, placed, id, colour, ItemForm::Curve(curve));
+                    return Ok(());
+                }
+                Err(record.refused("items of this kind are not read"))
+            }
+        }
+    }
+
+    fn set(
+        &mut self,
+        space: &Space<'a>,
+        placed: &Placed,
+        id: u64,
+        colour: Option<Colour>,
+    ) -> Got<()> {
+        let mut points = Vec::new();
+        for id in self.file.record(id)?.args().references(1)? {
+            let own = self.colours.get(&id).copied().or(colour);
+            if self.file.kind(id) == "CARTESIAN_POINT" {
+                points.push(space.point(id)?);
+                continue;
+            }
+            let read = curves::course(space, id, 0)
+                .and_then(|c| c.whole().map_err(|e| self.file.refused(id, e)));
+            match read {
+                Ok(curve) => self.add(space, placed, id, own, ItemForm::Curve(curve)),
+                Err(r) => self.left.add(&r),
+            }
+        }
+        if !points.is_empty() {
+            self.add(space, placed, id, colour, ItemForm::Points(points));
+        }
+        Ok(())
+    }
+
+    fn body(
+        &mut self,
+        space: &Space<'a>,
+        placed: &Placed,
+        id: u64,
+        shells: &[u64],
+        solid: bool,
+        colour: Option<Colour>,
+    ) -> Got<()> {
+        let mut builder = Builder::new(space);
+        let mut last: Option<Refused> = None;
+        for shell in shells {
+            if let Err(r) = builder.shell(*shell, solid, &mut self.left) {
+                self.left.add(&r);
+                last = Some(r);
+            }
+        }
+        if builder.body.faces.is_empty() {
+            let why = last.map_or("it has no faces".into(), |r| r.why);
+            return Err(self.file.refused(id, why));
+        }
+        let of_shell = shells.iter().find_map(|s| self.colours.get(s).copied());
+        let colour = self.colours.get(&id).copied().or(of_shell).or(colour);
+        self.add_body(space, placed, id, builder, colour);
+        Ok(())
+    }
+
+    fn add_body(
+        &mut self,
+        space: &Space<'a>,
+        placed: &Placed,
+        id: u64,
+        builder: Builder<'_, 'a>,
+        colour: Option<Colour>,
+    ) {
+        let style = |face: &u64| FaceStyle {
+            name: self.name(*face),
+            colour: self
+                .colours
+                .get(face)
+                .copied()
+                .filter(|c| Some(*c) != colour),
+        };
+        let mut faces: Vec<FaceStyle> = builder.numbers.iter().map(style).collect();
+        if faces.iter().all(|f| *f == FaceStyle::default()) {
+            faces.clear();
+        }
+        let body: Body = builder.body;
+        self.add(space, placed, id, colour, ItemForm::Body { body, faces });
+    }
+
+    /// The name that an entity has; many systems write that it has none.
+    fn name(&self, id: u64) -> String {
+        let name = self
+            .file
+            .record(id)
+            .map_or(String::new(), |r| r.args().text(0));
+        if name == "NONE" { String::new() } else { name }
+    }
+
+    fn add(
+        &mut self,
+        space: &Space<'a>,
+        placed: &Placed,
+        id: u64,
+        colour: Option<Colour>,
+        form: ItemForm,
+    ) {
+        let mut path = placed.path.clone();
+        let own = self.name(id);
+        if !own.is_empty() && path.last() != Some(&own) {
+            path.push(own);
+        }
+        let uncertainty = &mut self.document.uncertainty;
+        if self.tree.context(placed.id).uncertainty.is_some() {
+            *uncertainty = Some(uncertainty.unwrap_or(0.0).max(space.uncertainty));
+        }
+        self.document.items.push(Item {
+            name: path.join("/"),
+            colour,
+            form,
+        });
+    }
+}

@@ -1,0 +1,338 @@
+//! A surface as the plane of its parameters: where it closes, where it is one point, and which parameters belong to a
+//! point of space.
+
+use crate::box3::Box3;
+use crate::breaks::{Breaks, inwards};
+use crate::interval::Interval;
+use crate::mesh::sampled;
+use crate::mesh::shared::Edge as Line;
+use crate::surface::{Dir, Side, Surface, enclose_direct};
+use glam::DVec3;
+use smallvec::SmallVec;
+use std::sync::OnceLock;
+
+/// Lines in each direction that are looked at to see whether a surface closes.
+const LINES: usize = 9;
+/// The sides of a surface meet if they are no farther apart than this share of its size.
+const CLOSED: f64 = 1e-7;
+/// The steps of Newton's method, and of halving in between.
+const STEPS: usize = 40;
+/// The fewest and the most samples in each direction for first guesses, and how many for each analytic piece.
+const GUESSES: [usize; 2] = [13, 97];
+const EACH: usize = 4;
+/// The guesses that are followed.
+const FOLLOWED: usize = 4;
+
+/// A side that is one point.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pole {
+    /// The parameter that is constant there, and its value.
+    pub(super) d: usize,
+    pub(super) at: f64,
+    pub(super) upper: bool,
+    pub(super) point: DVec3,
+}
+
+/// How far a surface may be from its chords over a rectangle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bend {
+    pub(super) bound: f64,
+    pub(super) proven: bool,
+    /// What u and v add to it.
+    pub(super) terms: [f64; 2],
+}
+
+pub(super) struct Chart<'a> {
+    pub(super) surface: &'a dyn Surface,
+    pub(super) domain: [Interval; 2],
+    /// The widths of the domain in the directions in which the surface closes.
+    pub(super) period: [Option<f64>; 2],
+    /// How far apart the sides are that meet.
+    pub(super) slit: f64,
+    pub(super) poles: Vec<Pole>,
+    pub(super) size: f64,
+    /// Where first derivatives jump, u and v; with the ends where the surface closes with a crease.
+    creases: [Vec<f64>; 2],
+    guesses: OnceLock<Vec<([f64; 2], DVec3)>>,
+}
+
+impl<'a> Chart<'a> {
+    /// Sides that are within `weld` of one point are poles.
+    pub(super) fn new(surface: &'a dyn Surface, weld: f64) -> Self {
+        let size = crate::measure::size(surface);
+        let mut new = Self {
+            surface,
+            domain: surface.domain(),
+            period: [None; 2],
+            slit: 0.0,
+            poles: Vec::new(),
+            size,
+            creases: [Dir::U, Dir::V].map(|dir| surface.breaks(dir).below(1)),
+            guesses: OnceLock::new(),
+        };
+        let near = weld.min(1e-6 * size);
+        for side in Side::ALL {
+            let line = Line::new(surface, side);
+            if line.is_collapsed(near) {
+                new.poles.push(Pole {
+                    d: usize::from(side.across() == Dir::V),
+                    at: line.at,
+                    upper: side.is_upper(),
+                    point: line.point(line.range.mid()),
+                });
+            }
+        }
+        for d in 0..2 {
+            new.close(d, weld.min(CLOSED * size));
+        }
+        new
+    }
+
+    /// Finds whether the sides at the ends of a parameter are the same.
+    fn close(&mut self, d: usize, near: f64) {
+        if self.poles.iter().any(|p| p.d == d) {
+            return;
+        }
+        let (own, other) = (self.domain[d], self.domain[1 - d]);
+        let (mut apart, mut crease) = (0.0f64, false);
+        for k in 0..LINES {
+            let t = other.lo + (other.hi - other.lo) * k as f64 / (LINES - 1) as f64;
+            let jet = |at: f64| {
+                let uv = if d == 0 { [at, t] } else { [t, at] };
+                self.surface.jet(uv, inwards(uv, self.domain), 1)
+            };
+            let (a, b) = (jet(own.lo), jet(own.hi));
+            let gap = a.point().distance(b.point());
+            // A NaN is no closed surface.
+            if gap.is_nan() || gap > near {
+                return;
+            }
+            apart = apart.max(gap);
+            let (p, q) = (a.d[1 + d], b.d[1 + d]);
+            // Beside a pole both are nothing but rounding.
+            let rounding = 1e-9 * self.size / own.width();
+            crease |= p.distance(q) > 1e-6 * (p.length() + q.length()) + rounding;
+        }
+        self.period[d] = Some(own.width());
+        self.slit = self.slit.max(apart);
+        if crease {
+            self.creases[d].extend([own.lo, own.hi]);
+        }
+    }
+
+    /// The same place in the domain; what is beyond its ends comes to them.
+    pub(super) fn wrapped(&self, uv: [f64; 2]) -> [f64; 2] {
+        [0, 1].map(|d| {
+            let Interval { lo, hi } = self.domain[d];
+            match self.period[d] {
+                Some(p) if !(lo..=hi).contains(&uv[d]) => {
+                    (lo + (uv[d] - lo).rem_euclid(p)).clamp(lo, hi)
+                }
+                _ => uv[d].clamp(lo, hi),
+            }
+        })
+    }
+
+    pub(super) fn point(&self, uv: [f64; 2]) -> DVec3 {
+        let uv = self.wrapped(uv);
+        self.surface.jet(uv, inwards(uv, self.domain), 0).point()
+    }
+
+    pub(super) fn jet(&self, uv: [f64; 2], order: usize) -> SmallVec<[DVec3; 6]> {
+        let uv = self.wrapped(uv);
+        self.surface.jet(uv, inwards(uv, self.domain), order).d
+    }
+
+    /// The parameters of the point nearest to `p` near a guess: Newton's method, halved until the distance does not grow.
+    pub(super) fn nearest(&self, p: DVec3, guess: [f64; 2]) -> [f64; 2] {
+        let clamped = |uv: [f64; 2]| {
+            [0, 1].map(|d| match self.period[d] {
+                Some(_) => uv[d],
+                None => uv[d].clamp(self.domain[d].lo, self.domain[d].hi),
+            })
+        };
+        let mut uv = clamped(guess);
+        let mut best = self.point(uv).distance_squared(p);
+        for _ in 0..STEPS {
+            let j = self.jet(uv, 2);
+            let r = j[0] - p;
+            let g = [r.dot(j[1]), r.dot(j[2])];
+            let gauss = [j[1].dot(j[1]), j[1].dot(j[2]), j[2].dot(j[2])];
+            let full = [
+                gauss[0] + r.dot(j[3]),
+                gauss[1] + r.dot(j[4]),
+                gauss[2] + r.dot(j[5]),
+            ];
+            // At an end of the domain only steps inwards, or along it.
+            let free = [0, 1].map(|d| {
+                let Interval { lo, hi } = self.domain[d];
+                self.period[d].is_some()
+                    || !((uv[d] <= lo && g[d] > 0.0) || (uv[d] >= hi && g[d] < 0.0))
+            });
+            let step = newton(full, g, free).or_else(|| newton(gauss, g, free));
+            let Some(mut step) = step else { break };
+            let mut moved = false;
+            for _ in 0..STEPS {
+                let next = clamped([uv[0] + step[0], uv[1] + step[1]]);
+                let distance = self.point(next).distance_squared(p);
+                if distance < best {
+                    (uv, best, moved) = (next, distance, true);
+                    break;
+                }
+                step = step.map(|s| 0.5 * s);
+                if uv[0] + step[0] == uv[0] && uv[1] + step[1] == uv[1] {
+                    break;
+                }
+            }
+            if !moved {
+                break;
+            }
+        }
+        uv
+    }
+
+    /// The nearest point that is found from samples of the whole surface, and its distance.
+    pub(super) fn find(&self, p: DVec3) -> ([f64; 2], f64) {
+        let guesses = self.guesses.get_or_init(|| self.sample());
+        let mut order: Vec<(f64, usize)> = guesses
+            .iter()
+            .enumerate()
+            .map(|(k, g)| (g.1.distance_squared(p), k))
+            .collect();
+        let few = FOLLOWED.min(order.len());
+        if few < order.len() {
+            order.select_nth_unstable_by(few, |a, b| a.0.total_cmp(&b.0));
+        }
+        let found = order[..few].iter().map(|&(_, k)| {
+            let uv = self.nearest(p, guesses[k].0);
+            (uv, self.point(uv).distance(p))
+        });
+        let best = found.min_by(|a, b| a.1.total_cmp(&b.1));
+        best.unwrap_or(([self.domain[0].mid(), self.domain[1].mid()], f64::INFINITY))
+    }
+
+    fn sample(&self) -> Vec<([f64; 2], DVec3)> {
+        let [us, vs] = [Dir::U, Dir::V].map(|dir| {
+            let breaks = self.surface.breaks(dir);
+            let count = (EACH * breaks.pieces() + 1).clamp(GUESSES[0], GUESSES[1]);
+            let Interval { lo, hi } = breaks.domain();
+            (0..count)
+                .map(|k| lo + (hi - lo) * k as f64 / (count - 1) as f64)
+                .collect::<Vec<f64>>()
+        });
+        let mut points = vec![DVec3::ZERO; us.len() * vs.len()];
+        self.surface.grid(&us, &vs, &mut points);
+        let pairs = us.iter().flat_map(|&u| vs.iter().map(move |&v| [u, v]));
+        pairs.zip(points).collect()
+    }
+
+    /// How far the points of the surface over a rectangle, perhaps beyond the domain by periods, may be from chords and
+    /// triangles between them with the same parameters: the theorem of `mesh/bound.rs`, and where there are creases the size of a box.
+    pub(super) fn bend(&self, uv: [Interval; 2]) -> Bend {
+        let parts = [0, 1].map(|d| self.parts(d, uv[d]));
+        let width = uv.map(Interval::width);
+        let creased = (0..2).any(|d| {
+            let inside = |p: &Interval| self.creases[d].iter().any(|&c| p.lo < c && c < p.hi);
+            let at_seam = parts[d].len() > 1 && self.creases[d].contains(&self.domain[d].lo);
+            at_seam || parts[d].iter().any(inside)
+        });
+        let mut norms = [0.0f64; 3];
+        let mut hull: Option<Box3> = None;
+        let mut proven = true;
+        for u in &parts[0] {
+            for v in &parts[1] {
+                let mut boxes = enclose_direct(self.surface, [*u, *v], 2);
+                if !boxes[3..6].iter().all(|b| b.is_finite()) && !boxes[0].is_finite() {
+                    proven = false;
+                    match sampled(self.surface, [*u, *v]) {
+                        Some(jet) => boxes = jet,
+                        None => {
+                            let bound = f64::INFINITY;
+                            let terms = width;
+                            return Bend {
+                                bound,
+                                proven,
+                                terms,
+                            };
+                        }
+                    }
+                }
+                for k in 0..3 {
+                    norms[k] = crate::interval::greater(norms[k], boxes[3 + k].norm().hi);
+                }
+                hull = Some(hull.map_or(boxes[0], |h| h.hull(boxes[0])));
+            }
+        }
+        let whole = hull.map_or(f64::INFINITY, Box3::diagonal);
+        let [du, dv] = width;
+        let second =
+            0.125 * (norms[0] * du * du + 2.0 * norms[1] * du * dv + norms[2] * dv * dv) * ROUND_UP;
+        // Zero times infinity is nothing that is known.
+        let bound = if creased || second.is_nan() {
+            whole
+        } else {
+            second.min(whole)
+        };
+        let terms = [norms[0] * du * du, norms[2] * dv * dv];
+        Bend {
+            bound,
+            proven,
+            terms,
+        }
+    }
+
+    /// Where first derivatives jump, in one parameter.
+    pub(super) fn creases(&self, d: usize) -> &[f64] {
+        &self.creases[d]
+    }
+
+    /// The parts of a range in the domain.
+    fn parts(&self, d: usize, range: Interval) -> SmallVec<[Interval; 2]> {
+        let domain = self.domain[d];
+        let inside = |lo: f64, hi: f64| Interval {
+            lo: lo.clamp(domain.lo, domain.hi),
+            hi: hi.clamp(domain.lo, domain.hi),
+        };
+        let mut parts = SmallVec::new();
+        match self.period[d] {
+            Some(p) if range.width() >= p => parts.push(domain),
+            Some(p) => {
+                let turns = ((range.lo - domain.lo) / p).floor();
+                let (lo, hi) = (range.lo - turns * p, range.hi - turns * p);
+                parts.push(inside(lo, hi));
+                if hi > domain.hi {
+                    parts.push(inside(domain.lo, hi - p));
+                }
+            }
+            None => parts.push(inside(range.lo, range.hi)),
+        }
+        parts
+    }
+}
+
+/// Covers the roundings of the sums of positive numbers.
+const ROUND_UP: f64 = 1.0 + 1e-12;
+
+/// The step of Newton's method for a symmetric matrix `[a, b, c]`, in the free directions; `None` where it is not positive.
+fn newton([a, b, c]: [f64; 3], g: [f64; 2], free: [bool; 2]) -> Option<[f64; 2]> {
+    // At a pole one direction has no length; it stays where it is.
+    let small = 1e-14;
+    let step = match free {
+        [true, true] => {
+            let det = a * c - b * b;
+            if a > small * c && c > small * a && det > 1e-12 * a * c {
+                [-(c * g[0] - b * g[1]) / det, -(a * g[1] - b * g[0]) / det]
+            } else if a >= c && a > 0.0 {
+                [-g[0] / a, 0.0]
+            } else if c > 0.0 {
+                [0.0, -g[1] / c]
+            } else {
+                return None;
+            }
+        }
+        [true, false] if a > 0.0 => [-g[0] / a, 0.0],
+        [false, true] if c > 0.0 => [0.0, -g[1] / c],
+        _ => return None,
+    };
+    step.iter().all(|s| s.is_finite()).then_some(step)
+}

@@ -1,0 +1,9 @@
+//! Bodies of faces that share edges.
+
+#![allow(clippy::unwrap_used)]
+
+mod cover;
+mod figures;
+mod mesh;
+mod sew;
+mod shapes;
