@@ -190,6 +190,12 @@ const CURVES: &[CurveRow] = &[
         &[(0.25, [1.5, 1.5, 0.0]), (1.0, [1.5, 0.0, 0.0])],
     ),
     (
+        // Along the cross product of the normals.
+        "intersection",
+        "surfaces = ['flat', 'cut']\n[surfaces.cut]\nkind = 'bilinear'\ncorners = [[[1.5, -1, -1], [1.5, -1, 1]], [[1.5, 3, -1], [1.5, 3, 1]]]",
+        &[(0.0, [1.5, 0.0, 0.0]), (1.0, [1.5, 2.0, 0.0])],
+    ),
+    (
         "silhouette",
         "surface = 'ring'\ndirection = 'z'\nbranch = 1\n[surfaces.ring]\nkind = 'torus'\nmajor = 3\nminor = 1",
         &[(0.0, [4.0, 0.0, 0.0]), (0.5, [-4.0, 0.0, 0.0])],

@@ -40,7 +40,7 @@ impl Rates {
             .map(|(s, v)| Moving {
                 surface: s.surface.clone(),
                 velocity: match v {
-                    Velocity::Moves(v) => Some(v.clone()),
+                    Velocity::Moves(v) | Velocity::Follows(v) => Some(v.clone()),
                     Velocity::Still | Velocity::Unknown(_) => None,
                 },
             })

@@ -284,13 +284,18 @@ fn derivatives_by_a_parameter() {
 
 #[test]
 fn what_has_no_derivative_is_told_by_name() {
-    let folder = Folder::with_model(MODEL);
+    let text = MODEL.replace(
+        "polyline\", points = [[0, 0, \"h\"], [\"r\", 0, \"h\"], [\"r\", 0, 0], [0, 0, 0]]",
+        "arc\", through = [[1, 0, 0], [\"r\", 0, 1], [1, 0, 2]]",
+    );
+    assert_ne!(text, MODEL);
+    let folder = Folder::with_model(&text);
     let info = json(&folder, "--sensitivity r");
     let by_r = &info["sensitivities"][0];
     let surface = &by_r["surfaces"][0];
     assert_eq!(surface["motion"], "unknown");
     let why = surface["why"].as_str().unwrap();
-    assert!(why.contains("corners move along its parameter"), "{why}");
+    assert!(why.contains("the kind \"arc\""), "{why}");
     for key in ["area", "box", "centroid"] {
         assert_eq!(by_r[key], Value::Null);
     }
