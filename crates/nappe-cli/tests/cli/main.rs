@@ -10,6 +10,7 @@ mod examples;
 mod files;
 mod help;
 mod info;
+mod intersect;
 mod peers;
 mod project;
 mod render;
