@@ -2,8 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod asked;
 mod faults;
 mod files;
+mod meant;
 mod mutated;
 mod peers;
 mod round;
