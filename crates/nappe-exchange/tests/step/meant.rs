@@ -358,3 +358,32 @@ fn a_face_without_loops_gets_a_bound() {
     };
     assert!(step::write(&path, &bare(Arc::new(s.unwrap())), &options).is_err());
 }
+
+#[test]
+fn a_circle_of_another_radius_is_refused_whatever_the_uncertainty() {
+    let options = QuadricOptions {
+        range: [None, Some([-1.0, 4.0])],
+        ..QuadricOptions::default()
+    };
+    let surface = Quadric::new(QuadricShape::Cylinder, &[1.5], options).unwrap();
+    let document = sewn(&[Arc::new(surface)], Units::Millimetre);
+    let text = String::from_utf8(written(&document, Schema::Ap242)).unwrap();
+    let at = text.find("LENGTH_MEASURE(").unwrap() + "LENGTH_MEASURE(".len();
+    let end = at + text[at..].find(')').unwrap();
+    let vague = format!("{}0.01{}", &text[..at], &text[end..]);
+    for (radius, faces) in [("1.5);", 1), ("1.505);", 1), ("1.9);", 0), ("9.);", 0)] {
+        let text = vague
+            .lines()
+            .map(|l| {
+                if l.contains("=CIRCLE(") {
+                    format!("{},{radius}", &l[..l.rfind(',').unwrap()])
+                } else {
+                    l.to_owned()
+                }
+            })
+            .collect::<Vec<_>>()
+            .join("\n");
+        let d = step::read(text.as_bytes()).unwrap().document;
+        assert_eq!(d.items.len(), faces, "{radius} {:?}", d.left_out);
+    }
+}
