@@ -4,8 +4,8 @@
 
 use nappe::DVec3;
 use nappe::measure::{
-    AreaRate, IntegralOptions, Measured, Moving, SolidRate, area_centroid, area_rate, face_rate,
-    joint_centroid, solid_rate, solids,
+    AreaRate, IntegralOptions, Measured, Moving, Opening, SolidRate, area_centroid, area_rate,
+    face_rate, joint_centroid, solid_rate, solids,
 };
 use nappe::mesh::Certainty;
 use nappe_model::{Overrides, Velocity, parse, velocities};
@@ -43,6 +43,10 @@ fn area(parts: &[Moving]) -> AreaRate {
 }
 
 fn solid(parts: &[Moving]) -> SolidRate {
+    told(parts).unwrap()
+}
+
+fn told(parts: &[Moving]) -> Result<SolidRate, Opening> {
     let surfaces: Vec<_> = parts.iter().map(|m| m.surface.clone()).collect();
     let all = solids(&surfaces, None, &OPTIONS);
     assert_eq!(all.len(), 1);
@@ -147,6 +151,35 @@ fn a_cone_grows_up_to_its_tip() {
 }
 
 #[test]
+fn a_can_grows_however_its_profile_is_parametrized() {
+    for spacing in ["uniform", "chord", "centripetal"] {
+        for (p, far) in [(2.0, 0.0), (2e-5, 0.0), (2.0, 1e4)] {
+            // Radius p, height 3 p.
+            let text = format!(
+                r#"
+[surfaces.s]
+kind = "revolution"
+axis = {{ origin = [{far:?}, 0, 0], direction = [0, 0, 1] }}
+profile = {{ kind = "polyline", points = [[{far:?}, 0, "3*p"], ["{far:?} + p", 0, "3*p"], ["{far:?} + p", 0, 0], [{far:?}, 0, 0]], parametrization = "{spacing}" }}
+"#
+            );
+            let parts = moving(p, &text);
+            let want = 16.0 * PI * p;
+            is(area(&parts).area, want, want, "area");
+            let want = 9.0 * PI * p * p;
+            let solid = solid(&parts);
+            is(solid.volume, want, want, "volume");
+            is(solid.centroid.unwrap()[2], 1.5, 1.5, "centroid");
+            let top = face_rate(&parts, 2, true).unwrap();
+            assert!(
+                top.range.contains(3.0) && top.range.width() < 1e-3,
+                "{top:?}"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_vase_through_points_changes_as_its_differences_tell() {
     let at = |p: f64| {
         let parts = moving(
@@ -172,6 +205,67 @@ profile = { kind = "interpolate", points = [[1, 0, 0], ["p", 0, 1], [1, 0, "2*p"
         "{rate:?} {difference}"
     );
     assert!(rate.value.abs() > 100.0 * slack, "{rate:?} {slack}");
+}
+
+/// A unit cube of faces whose corners have these coordinates at the top.
+fn cube(lid: &str, walls: &str) -> String {
+    let faces = [
+        ("floor", "[[0,0,0],[0,1,0]],[[1,0,0],[1,1,0]]".to_owned()),
+        (
+            "lid",
+            format!("[[0,0,{lid}],[0,1,{lid}]],[[1,0,{lid}],[1,1,{lid}]]"),
+        ),
+        (
+            "west",
+            format!("[[0,0,0],[0,0,{walls}]],[[0,1,0],[0,1,{walls}]]"),
+        ),
+        (
+            "east",
+            format!("[[1,0,0],[1,0,{walls}]],[[1,1,0],[1,1,{walls}]]"),
+        ),
+        (
+            "south",
+            format!("[[0,0,0],[0,0,{walls}]],[[1,0,0],[1,0,{walls}]]"),
+        ),
+        (
+            "north",
+            format!("[[0,1,0],[0,1,{walls}]],[[1,1,0],[1,1,{walls}]]"),
+        ),
+    ];
+    let face = |(name, corners): &(&str, String)| {
+        format!("[surfaces.{name}]\nkind = \"bilinear\"\ncorners = [{corners}]\n")
+    };
+    faces.iter().map(face).collect()
+}
+
+#[test]
+fn a_body_whose_joints_open_has_no_derivatives() {
+    let closed = told(&moving(1.0, &cube("\"p\"", "\"p\""))).unwrap();
+    is(closed.volume, 1.0, 1.0, "volume");
+    // Only the lid rises: beside p = 1 nothing is closed.
+    let opening = told(&moving(1.0, &cube("\"p\"", "1"))).unwrap_err();
+    let sides = [Some(opening.first), opening.second].map(|s| s.unwrap().0);
+    assert!(sides.contains(&1), "{opening}");
+    assert!((opening.speed - 1.0).abs() < 1e-12, "{opening}");
+    // A point on the axis that leaves it.
+    let text = r#"
+[surfaces.s]
+kind = "revolution"
+profile = { kind = "polyline", points = [["p - 1", 0, 3], [2, 0, 3], [2, 0, 0], [0, 0, 0]] }
+"#;
+    let opening = told(&moving(1.0, text)).unwrap_err();
+    assert_eq!(opening.second, None, "{opening}");
+    // From one end of a diameter to the other.
+    assert!((opening.speed - 2.0).abs() < 1e-2, "{opening}");
+    // A seam that opens: a turn of less than 360 degrees.
+    let text = r#"
+[surfaces.s]
+kind = "revolution"
+profile = { kind = "polyline", points = [[0, 0, 3], [2, 0, 3], [2, 0, 0], [0, 0, 0]] }
+angle = "p rad"
+"#;
+    let opening = told(&moving(std::f64::consts::TAU, text)).unwrap_err();
+    assert!((opening.speed - 2.0).abs() < 1e-9, "{opening}");
 }
 
 #[test]

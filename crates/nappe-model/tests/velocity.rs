@@ -353,7 +353,6 @@ construction = "coons"
 angle = "60*p deg""#,
         r#"kind = "revolution"
 profile = { kind = "polyline", points = [[0, 0, "2*p"], ["p", 0, "2*p"], ["p", 0, 0], [0, 0, 0]] }
-axis = { origin = [0, 0, 0], direction = ["0*p", 0, 1] }
 angle = "100*p deg""#,
         r#"kind = "revolution"
 profile = { kind = "interpolate", points = [[1, 0, 0], ["p", 0, 1], [1, 0, "2*p"], [2, 0, 4]] }"#,
@@ -466,6 +465,10 @@ fn what_is_not_known_is_refused_by_name() {
             "curve `c`: its first point leaves its last one",
         ),
         (
+            "[curves.c]\nkind = \"join\"\ncurves = [{ kind = \"line\", from = [0, 0, 0], to = [1.3, 0, 0] }, { kind = \"line\", from = [\"p\", 0, 0], to = [3, 1, 0] }]",
+            "curve `c`: its curves 1 and 2 part as they move",
+        ),
+        (
             "[curves.c]\nkind = \"nurbs\"\ndegree = 1\npoints = [[0, 0, 0], [1, 1, 0], [3, 0, 0]]\nknots = [0, 0, \"p/4\", 1, 1]",
             "curve `c`: its knots change",
         ),
@@ -533,6 +536,10 @@ fn kinks_are_errors() {
             "it jumps",
         ),
         (
+            "[curves.c]\nkind = \"expression\"\nx = \"t\"\ny = \"t*max(p, 3)\"\nz = \"0\"",
+            "depends on the parameter",
+        ),
+        (
             "[curves.c]\nkind = \"line\"\nfrom = [0, 0, 0]\nto = [1, \"sqrt(p - 3)\", 0]",
             "no finite derivative",
         ),
@@ -554,6 +561,12 @@ fn kinks_are_errors() {
         3.5,
     );
     assert!(matches!(beside.unwrap().curves[0], Velocity::Moves(_)));
+    // What does not depend on the parameter may be on a switch.
+    let constants = "n = 4\nk = \"floor(n/2)\"\n[curves.c]\nkind = \"line\"\nfrom = [0, 0, \"k + if(n/2 < 2, 1, 3)\"]\nto = [1, \"p*floor(n/2)\", 0]";
+    let Velocity::Moves(v) = &of(constants, 3.0).unwrap().curves[0] else {
+        panic!("it moves")
+    };
+    assert_eq!(v.point(1.0), DVec3::new(0.0, 2.0, 0.0));
     let none = Overrides::default();
     let model = model(1.0, "")(&none).unwrap();
     let e = velocities(&model, &none, "q").unwrap_err();

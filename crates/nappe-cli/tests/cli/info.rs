@@ -249,13 +249,18 @@ fn info_and_check_agree_on_what_is_closed() {
 
 #[test]
 fn derivatives_by_a_parameter() {
-    // With uniform parameters the corners of the profile stay where they are along it.
-    let text = MODEL.replace(
+    // With uniform parameters the corners of the profile stay where they are along it, else they move.
+    let uniform = MODEL.replace(
         "[0, 0, 0]] }",
         "[0, 0, 0]], parametrization = \"uniform\" }",
     );
-    let folder = Folder::with_model(&text);
-    let info = json(&folder, "--sensitivity r --sensitivity h");
+    assert_ne!(uniform, MODEL);
+    derivatives_of_a_can(&Folder::with_model(&uniform));
+    derivatives_of_a_can(&Folder::with_model(MODEL));
+}
+
+fn derivatives_of_a_can(folder: &Folder) {
+    let info = json(folder, "--sensitivity r --sensitivity h");
     let [by_r, by_h] = [0, 1].map(|k| &info["sensitivities"][k]);
     let r = 2.0;
     assert_eq!(by_r["parameter"], "r");
@@ -305,5 +310,44 @@ fn what_has_no_derivative_is_told_by_name() {
     assert!(
         problem.contains("there is no parameter `radius`"),
         "{problem}"
+    );
+}
+
+#[test]
+fn a_joint_that_opens_is_told_by_name() {
+    let folder = Folder::with_model(
+        r#"
+[params]
+gap = 0
+[surfaces.ball]
+kind = "revolution"
+profile = { kind = "arc", center = [0, 0, 0], radius = 1, normal = "y", from = "-90deg", to = "90deg" }
+start = "gap deg"
+angle = "180deg"
+[surfaces.rest]
+kind = "revolution"
+profile = { kind = "arc", center = [0, 0, 0], radius = 1, normal = "y", from = "-90deg", to = "90deg" }
+start = "180deg"
+angle = "180deg"
+"#,
+    );
+    let info = json(&folder, "--sensitivity gap");
+    assert_measured(&info["volume"], 4.0 / 3.0 * PI);
+    let by = &info["sensitivities"][0];
+    let shell = &by["shells"][0];
+    assert_eq!(shell["volume"], Value::Null);
+    let why = shell["why"].as_str().unwrap();
+    assert!(
+        why.contains("ball.") && why.contains("rest.") && why.contains("0.0175"),
+        "{why}"
+    );
+    // The area needs no closed shell.
+    let area = by["area"]["value"].as_f64().unwrap();
+    assert!(area.abs() < 1e-6, "{area}");
+    let report = folder.nappe("info model.nappe.toml --sensitivity gap");
+    assert!(
+        report.data().contains("part at a speed of 0.0175"),
+        "{}",
+        report.data()
     );
 }

@@ -7,7 +7,7 @@ use crate::curves::{ArcData, clamped_uniform, spacing};
 use crate::data::{Datum, Fields, Item};
 use nappe::curve::{
     CrossDerivative, CurveRef, ExpressionCurve, InterpolateOptions, Isocurve, JoinOptions, Joined,
-    Spacing, Trimmed, interpolate_like, polyline,
+    Spacing, Trimmed, interpolate_like,
 };
 use nappe::exact::{NurbsCurve, NurbsError};
 use nappe::expr::Bound;
@@ -21,6 +21,8 @@ use std::sync::Arc;
 
 /// Relative to the greatest change: parameters of points that change less do not, but for rounding.
 const ROUNDING: f64 = 1e-12;
+/// Relative to the greatest: velocities of two ends that differ by less are one, but for rounding.
+const SAME: f64 = 1e-9;
 const JUMPS: &str = "its corners move along its parameter, so its velocity jumps there: write parametrization = \"uniform\"";
 
 /// The curve of a control polygon over equal weights.
@@ -117,9 +119,7 @@ impl Mover<'_, '_> {
                     }
                     Arc::new(line)
                 } else {
-                    // Repeated points leave breaks out: then the spacing is uniform.
-                    let line = polyline(&rates, Spacing::Uniform).map_err(|e| fault(&e))?;
-                    Arc::new(line)
+                    return Err(pair.unknown("it has not as many corners as points"));
                 }
             }
             "bezier" => {
@@ -248,7 +248,20 @@ impl Mover<'_, '_> {
                     let velocity = moved.map(|m| m.velocity);
                     parts.push(velocity.unwrap_or_else(|| still_curve(curve.breaks())));
                 }
-                // The curves themselves have been found to meet.
+                // The curves have been found to meet; so must their velocities, else they part.
+                let ends = |c: &CurveRef| [c.domain().lo, c.domain().hi].map(|t| c.point(t));
+                let ends: Vec<[DVec3; 2]> = parts.iter().map(ends).collect();
+                let fastest = ends.iter().flatten().map(|v| v.length());
+                let noise = SAME * fastest.fold(0.0, f64::max);
+                let part = ends
+                    .windows(2)
+                    .position(|w| w[0][1].distance(w[1][0]) > noise);
+                if let Some(k) = part {
+                    let (k, next) = (k + 1, k + 2);
+                    return Err(
+                        pair.unknown(format!("its curves {k} and {next} part as they move"))
+                    );
+                }
                 let options = JoinOptions {
                     tol: Some(f64::MAX),
                     ..JoinOptions::default()

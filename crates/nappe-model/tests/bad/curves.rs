@@ -206,6 +206,12 @@ const ROWS: &[Row] = &[
         "meets",
     ),
     (
+        "[curves.c]\nkind = 'intersection'\nsurfaces = ['t', 'q']\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1\n[surfaces.p]\nkind = 'bilinear'\ncorners = [[[-9, -9, 0.5], [-9, 9, 0.5]], [[9, -9, 0.5], [9, 9, 0.5]]]",
+        (4, 18),
+        &["curve `c`", "no surface `q`"],
+        "surfaces are t, p",
+    ),
+    (
         "[curves.c]\nkind = 'intersection'\nsurfaces = ['t', 'p', 't']\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1\n[surfaces.p]\nkind = 'bilinear'\ncorners = [[[-9, -9, 0.5], [-9, 9, 0.5]], [[9, -9, 0.5], [9, 9, 0.5]]]",
         (4, 12),
         &["curve `c`", "surfaces", "2"],

@@ -50,7 +50,7 @@ pub(super) fn is_surface(record: &Record<'_>) -> bool {
 pub(super) fn curve(space: &Space<'_>, record: &Record<'_>) -> Got<NurbsCurve> {
     let (args, first, kind) = spelling(record, CURVES);
     let args = args.ok_or_else(|| record.refused("it is no B-spline curve"))?;
-    let degree = degree_at(record, &args, first)?;
+    let degree = degree(&args, first)?;
     let points = points(space, &args.references(first + 1)?)?;
     let knots = if kind == CURVES[1] {
         let (args, at) = if first == 0 {
@@ -79,10 +79,7 @@ pub(super) fn curve(space: &Space<'_>, record: &Record<'_>) -> Got<NurbsCurve> {
 pub(super) fn surface(space: &Space<'_>, record: &Record<'_>) -> Got<NurbsSurface> {
     let (args, first, kind) = spelling(record, SURFACES);
     let args = args.ok_or_else(|| record.refused("it is no B-spline surface"))?;
-    let degree = [
-        degree_at(record, &args, first)?,
-        degree_at(record, &args, first + 1)?,
-    ];
+    let degree = [degree(&args, first)?, degree(&args, first + 1)?];
     let rows = args.list(first + 2)?;
     let (mut net, mut columns) = (Vec::new(), 0);
     for i in 0..rows.values.len() {
@@ -131,14 +128,12 @@ pub(super) fn surface(space: &Space<'_>, record: &Record<'_>) -> Got<NurbsSurfac
         .map_err(|e| record.refused(e.to_string()))
 }
 
-/// A degree that can be computed with: knots are written out as often as they occur, which is as often as this at most.
-fn degree_at(record: &Record<'_>, args: &Args<'_, '_>, i: usize) -> Got<usize> {
+/// A degree that is computed with: as many knots as it asks for are made.
+fn degree(args: &Args<'_, '_>, i: usize) -> Got<usize> {
     let degree = args.count(i)?;
     if degree > BSplineBasis::MAX_DEGREE {
-        return Err(record.refused(format!(
-            "its degree is {degree}; at most {} can be",
-            BSplineBasis::MAX_DEGREE
-        )));
+        let most = BSplineBasis::MAX_DEGREE;
+        return Err(args.refused(format!("its degree is {degree}; up to {most} are read")));
     }
     Ok(degree)
 }

@@ -135,26 +135,18 @@ pub(super) fn put(
                 tolerance = tolerance.max(parts.tolerance);
             }
             ItemForm::Curve(curve) => {
-                let (id, certainty, range) =
-                    geometry::curve(&mut out, curve.as_ref(), options.tolerance)?;
-                report.certainty = report.certainty.and(certainty);
-                // Lines and circles end where they are trimmed. Splines have ends, and points do not tell where on them a
-                // trim is: they may be closed, or touch themselves.
-                let id = if let Some(range) = range {
-                    out.open("TRIMMED_CURVE")
-                        .text(&item.name)
-                        .reference(id)
-                        .parameter(range.lo)
-                        .parameter(range.hi)
-                        .word(".T.")
-                        .word(".PARAMETER.")
-                        .close()?
+                let curved =
+                    geometry::curve(&mut out, curve.as_ref(), &item.name, options.tolerance)?;
+                report.certainty = report.certainty.and(curved.certainty);
+                let id = if curved.ends {
+                    curved.id
                 } else {
+                    // Lines and ellipses end where they are trimmed.
                     let [from, to] = curve.ends();
                     let ends = [out.point(from)?, out.point(to)?];
                     out.open("TRIMMED_CURVE")
                         .text(&item.name)
-                        .reference(id)
+                        .reference(curved.id)
                         .references(&ends[..1])
                         .references(&ends[1..])
                         .word(".T.")
@@ -169,6 +161,7 @@ pub(super) fn put(
                 styled.extend(item.colour.map(|c| (id, c, true)));
                 roots[2].push(set);
             }
+            ItemForm::Points(points) if points.is_empty() => {}
             ItemForm::Points(points) => {
                 let ids: io::Result<Vec<u64>> = points.iter().map(|p| out.point(*p)).collect();
                 let set = out
@@ -179,6 +172,14 @@ pub(super) fn put(
                 roots[2].push(set);
             }
         }
+        if !out.is_finite() {
+            let why = format!("`{}`: it has a number that is not finite", item.name);
+            return Err(WriteError::Shape(why));
+        }
+    }
+    if roots.iter().all(Vec::is_empty) {
+        let why = "its items have no faces, curves or points";
+        return Err(WriteError::Shape(why.into()));
     }
     report.uncertainty = report
         .uncertainty
@@ -194,6 +195,10 @@ pub(super) fn put(
         &styled,
         options.schema,
     )?;
+    if !out.is_finite() {
+        let why = "its uncertainty or a colour is not a finite number";
+        return Err(WriteError::Shape(why.into()));
+    }
     out.raw("ENDSEC;\nEND-ISO-10303-21;\n");
     out.finish()?;
     Ok(report)
