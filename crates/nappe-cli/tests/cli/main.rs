@@ -9,6 +9,7 @@ mod eval;
 mod examples;
 mod help;
 mod info;
+mod intersect;
 mod peers;
 mod project;
 mod render;

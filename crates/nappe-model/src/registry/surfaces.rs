@@ -367,7 +367,7 @@ pub const SURFACES: &[Kind] = &[
                 "between",
                 List(&Surface, Some(2)),
                 Required,
-                "any two; two planes, and a plane and a cylinder, have a formula, between others the ball is followed from end to end, or round",
+                "any two; two planes, and a plane and a whole cylinder, have a formula, between others the ball is followed from end to end, or round",
             ),
             key(
                 "radius",
