@@ -1,6 +1,7 @@
 //! `nappe info`.
 
 use super::figures;
+use super::info_file;
 use super::rates::Rates;
 use super::report::{ReportFormat, certainty_json, measured_json};
 use crate::failure::{Failure, Problem};
@@ -25,7 +26,8 @@ use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Tell what is in a model: surfaces, degrees, exactness, box, area, enclosed volume, centroids, inertia, curvature
+/// Tell what is in a model: surfaces, degrees, exactness, box, area, enclosed volume, centroids, inertia, curvature; or in
+/// a file of another system
 ///
 /// Every number is given with its error: proven, or estimated where that is said. Curvature is signed by the normal
 /// r_u × r_v: where the surface bends towards it the mean curvature is positive.
@@ -40,13 +42,18 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Sides are one, and surfaces closed, if the mesh would join them: within a twentieth of its tolerance. Surfaces that
 /// close up make a shell; its volume is what it encloses unless surfaces pass through themselves or each other, which
 /// `nappe check` tells. The volumes of several shells are added only if their boxes prove them to lie beside each other.
+///
+/// Of .step .stp .igs .iges files it tells unit, solids, sheets, curves and points, faces by what their surfaces are, box,
+/// area, volume, what the reader left out and what is wrong; of .stl .obj .ply .glb .gltf .3mf files the triangles, and
+/// whether they close.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
   nappe info vase.nappe.toml
   nappe info vase.nappe.toml --bending
   nappe info torus.nappe.toml --sensitivity major --sensitivity minor
-  nappe info vase.nappe.toml --set height=300 --format json")]
+  nappe info vase.nappe.toml --set height=300 --format json
+  nappe info part.step")]
 pub(crate) struct Args {
     #[command(flatten)]
     model: ModelArgs,
@@ -85,6 +92,9 @@ const SEARCH: SearchOptions = SearchOptions {
 
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
+        if nappe_exchange::read::can_read(self.model.path()) {
+            return self.file(screen);
+        }
         refuse_other_formats(&self.model)?;
         let model = self.model.open(screen)?;
         let velocities = self.velocities(&model)?;
@@ -114,6 +124,18 @@ impl Args {
 }
 
 impl Args {
+    /// The report on a file of another system.
+    fn file(&self, screen: &Screen) -> Result<(), Failure> {
+        if self.bending || !self.sensitivity.is_empty() || self.model.sets_parameters() {
+            let path = self.model.path().display();
+            return Err(Failure::usage(format!(
+                "{path} is no model file: --set, --bending and --sensitivity are for models"
+            )));
+        }
+        let text = info_file::report(self.model.path(), self.format, screen)?;
+        Ok(io::stdout().lock().write_all(text.as_bytes())?)
+    }
+
     /// How the objects move with each parameter that is asked for.
     fn velocities(&self, model: &Model) -> Result<Vec<Velocities>, Failure> {
         let overrides = self.model.overrides()?;
@@ -125,19 +147,21 @@ impl Args {
     }
 }
 
-/// A mesh or a STEP file is not a model: to say so is kinder than to call it wrong TOML.
+/// Files that are written only, such as pictures, are not models: to say so is kinder than to call them wrong TOML.
 fn refuse_other_formats(model: &ModelArgs) -> Result<(), Problem> {
     let ending = model.path().extension().unwrap_or_default();
     let ending = ending.to_string_lossy().to_ascii_lowercase();
-    let exact = ["step", "stp", "iges", "igs"].contains(&ending.as_str());
-    if !exact && !Format::ALL.iter().any(|f| f.ending() == ending) {
+    if !Format::ALL.iter().any(|f| f.ending() == ending) {
         return Ok(());
     }
     Err(Problem::new(format!(
-        "{}: .{ending} files cannot be read yet",
+        "{}: .{ending} files cannot be read",
         model.path().display()
     ))
-    .help("`nappe info` reads model files, *.nappe.toml"))
+    .help(format!(
+        "`nappe info` reads model files, *.nappe.toml, and {}",
+        nappe_exchange::read::endings()
+    )))
 }
 
 /// What is said of a whole model.
@@ -712,7 +736,7 @@ fn extreme_json(e: Extreme) -> Value {
     })
 }
 
-fn box_json(hull: Box3, certainty: Certainty) -> Value {
+pub(super) fn box_json(hull: Box3, certainty: Certainty) -> Value {
     json!({
         "min": hull.to_array().map(|i| i.lo),
         "max": hull.to_array().map(|i| i.hi),

@@ -4,8 +4,9 @@ use super::info::{Facts, INTEGRALS, error, measured, members};
 use super::report::measured_json;
 use crate::text::{Table, number};
 use nappe::measure::{
-    AreaRate, FaceRate, Measured, Moving, SolidRate, area_rate, face_rate, solid_rate,
+    AreaRate, FaceRate, Measured, Moving, Opening, SolidRate, area_rate, face_rate, solid_rate,
 };
+use nappe::surface::Side;
 use nappe_model::{Model, NamedSurface, Velocities, Velocity};
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -26,8 +27,8 @@ pub(super) struct Rates {
     area: Option<AreaRate>,
     /// Of the least and greatest x, y and z; `None` as the area, or without a bound.
     faces: Option<[[FaceRate; 2]; 3]>,
-    /// Of each shell, after the names of its surfaces; `None` if the motion of one of these is not known.
-    shells: Vec<(String, Option<SolidRate>)>,
+    /// Of each shell, after the names of its surfaces; or why not: the motion of one is not known, or a joint opens.
+    shells: Vec<(String, Result<SolidRate, String>)>,
 }
 
 impl Rates {
@@ -40,7 +41,7 @@ impl Rates {
             .map(|(s, v)| Moving {
                 surface: s.surface.clone(),
                 velocity: match v {
-                    Velocity::Moves(v) => Some(v.clone()),
+                    Velocity::Moves(v) | Velocity::Follows(v) => Some(v.clone()),
                     Velocity::Still | Velocity::Unknown(_) => None,
                 },
             })
@@ -75,9 +76,20 @@ impl Rates {
             Some([0, 1, 2].map(|a| [faces[2 * a], faces[2 * a + 1]]))
         });
         let shells = facts.shells.iter().map(|solid| {
-            let known = solid.shell.surfaces.iter().all(|f| known(f.0));
-            let rate = || solid_rate(&parts, solid, Some(facts.joined), &INTEGRALS);
-            (members(&solid.shell, &named), known.then(rate))
+            let unknown = solid
+                .shell
+                .surfaces
+                .iter()
+                .find_map(|f| match put_out[f.0].1 {
+                    Velocity::Unknown(why) => Some(why.clone()),
+                    _ => None,
+                });
+            let rate = match unknown {
+                Some(why) => Err(why),
+                None => solid_rate(&parts, solid, Some(facts.joined), &INTEGRALS)
+                    .map_err(|o| opens(&o, &named)),
+            };
+            (members(&solid.shell, &named), rate)
         });
         Rates {
             parameter: velocities.parameter.clone(),
@@ -121,9 +133,12 @@ impl Rates {
             if self.shells.len() > 1 {
                 table.row(["shell", name]);
             }
-            let Some(s) = solid else {
-                table.row(["volume", &untold()]);
-                continue;
+            let s = match solid {
+                Ok(s) => s,
+                Err(why) => {
+                    table.row(["volume", &format!("not told: {why}")]);
+                    continue;
+                }
             };
             table.row(["volume", &format!("{} {unit}³", measured(s.volume))]);
             if let Some(c) = &s.centroid {
@@ -172,9 +187,29 @@ impl Rates {
             "box": self.faces.map(|_| json!({ "min": ends(0), "max": ends(1) })),
             "area": self.area.map(|a| measured_json(a.area)),
             "centroid": self.area.and_then(|a| a.centroid).map(|c| c.map(measured_json)),
-            "shells": self.shells.iter().map(|(_, s)| s.as_ref().map(shell_json)).collect::<Vec<_>>(),
+            "shells": self.shells.iter().map(|(_, s)| match s {
+                Ok(s) => shell_json(s),
+                Err(why) => json!({ "volume": null, "why": why }),
+            }).collect::<Vec<_>>(),
             "surfaces": surfaces.collect::<Vec<_>>(),
         })
+    }
+}
+
+/// Where a shell opens.
+fn opens(at: &Opening, named: &[&NamedSurface]) -> String {
+    let name = |(k, side): (usize, Side)| format!("{}.{side}", named[k].name);
+    let speed = number(at.speed, 3);
+    match at.second {
+        Some(second) => format!(
+            "{} and {} part at a speed of {speed}, so that nothing is closed beside this value",
+            name(at.first),
+            name(second)
+        ),
+        None => format!(
+            "{} is one point that opens at a speed of {speed}, so that nothing is closed beside this value",
+            name(at.first)
+        ),
     }
 }
 

@@ -2,8 +2,11 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod asked;
+mod corners;
 mod faults;
 mod files;
+mod meant;
 mod mutated;
 mod peers;
 mod round;

@@ -159,6 +159,16 @@ fn primitives_come_back_as_primitives() {
     }
 }
 
+/// A cubic spline in a plane.
+fn spline(points: &[[i32; 2]]) -> nappe::CurveRef {
+    let knots = nappe::basis::BSplineBasis::clamped_uniform(3, points.len());
+    let points: Vec<DVec3> = points
+        .iter()
+        .map(|p| DVec3::new(f64::from(p[0]), f64::from(p[1]), 0.0))
+        .collect();
+    Arc::new(nappe::NurbsCurve::new(3, knots, &points, None).unwrap())
+}
+
 #[test]
 fn curves_come_back() {
     use nappe::curve::{Ellipse, EllipseOptions, Line};
@@ -172,6 +182,9 @@ fn curves_come_back() {
         Arc::new(Line::new(DVec3::ONE, DVec3::new(4.0, 5.0, 6.0)).unwrap()),
         Arc::new(Ellipse::circle(DVec3::ONE, 2.0, DVec3::X).unwrap()),
         Arc::new(Ellipse::new(DVec3::ONE, [1.0, 3.0], options).unwrap()),
+        // A closed one, and one that ends in its own middle.
+        spline(&[[0, 0], [4, 1], [5, 6], [-3, 4], [0, 0]]),
+        spline(&[[0, -4], [3, 0], [3, 3], [-3, 3], [-3, 0], [0, -1], [1, 0]]),
     ];
     let item = |c: &nappe::CurveRef| Item {
         name: "c".into(),
@@ -186,9 +199,11 @@ fn curves_come_back() {
     let text = String::from_utf8_lossy(&bytes);
     assert!(text.contains("=LINE(") && text.contains("=CIRCLE(") && text.contains("=ELLIPSE("));
     let file = step::read(&bytes).unwrap();
-    assert_eq!(file.document.items.len(), 3);
+    assert_eq!(file.document.left_out, []);
+    assert_eq!(file.document.items.len(), 5);
     for (old, item) in curves.iter().zip(&file.document.items) {
         assert_eq!(item.colour, Some([1.0, 0.0, 0.0]));
+        assert_eq!(item.name, "c");
         let ItemForm::Curve(new) = &item.form else {
             panic!()
         };

@@ -328,7 +328,7 @@ impl<'a> Task<'a> {
     }
 
     /// The points of all edges.
-    fn shared(&self) -> Vec<DVec3> {
+    pub(super) fn shared(&self) -> Vec<DVec3> {
         let vertices = self.body.vertices.iter().map(|v| v.point);
         let inside = self.flats.iter().filter_map(|f| f.as_ref().ok());
         let inside = inside.flat_map(|f| f.points[1..f.points.len() - 1].iter().copied());
