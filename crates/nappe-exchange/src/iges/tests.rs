@@ -2,12 +2,15 @@
 
 use super::read;
 use super::write::{IgesOptions, text};
-use crate::document::{Document, ItemForm};
+use crate::document::{Document, Item, ItemForm};
 use glam::DVec3;
 use nappe::CurveRef;
-use nappe::body::Body;
+use nappe::body::{Body, Coedge, Edge, Face, Loop, Shell, Vertex};
+use nappe::curve::{Ellipse, Line};
+use nappe::surface::bilinear;
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A file of the project's own test data.
 fn own(name: &str) -> Vec<u8> {
@@ -497,4 +500,68 @@ fn large_entities_placed_many_times_are_refused() {
         "{:?}",
         d.left_out
     );
+}
+
+/// A sector of a ring, more than a third of a turn: its arcs are several rational pieces.
+#[test]
+fn boundaries_of_arcs_come_back() {
+    let at = |r: f64, angle: f64| r * DVec3::new(angle.cos(), angle.sin(), 0.0);
+    let corners = [at(1.0, 0.0), at(1.0, 2.0), at(0.5, 2.0), at(0.5, 0.0)];
+    let arc = |p: [DVec3; 3]| -> CurveRef { Arc::new(Ellipse::through(p).unwrap()) };
+    let line = |a, b| -> CurveRef { Arc::new(Line::new(a, b).unwrap()) };
+    let curves = [
+        arc([corners[0], at(1.0, 1.0), corners[1]]),
+        line(corners[1], corners[2]),
+        arc([corners[2], at(0.5, 1.0), corners[3]]),
+        line(corners[3], corners[0]),
+    ];
+    let v = |x, y| DVec3::new(x, y, 0.0);
+    let plane = bilinear([[v(-2.0, -2.0), v(-2.0, 2.0)], [v(2.0, -2.0), v(2.0, 2.0)]]).unwrap();
+    let body = Body {
+        vertices: corners.map(|point| Vertex { point }).to_vec(),
+        edges: (0..4)
+            .map(|i| Edge {
+                curve: curves[i].clone(),
+                vertices: [i, (i + 1) % 4],
+                tolerance: 0.0,
+            })
+            .collect(),
+        faces: vec![Face {
+            surface: Arc::new(plane),
+            forward: true,
+            loops: vec![Loop::Edges(
+                (0..4)
+                    .map(|edge| Coedge {
+                        edge,
+                        forward: true,
+                    })
+                    .collect(),
+            )],
+        }],
+        shells: vec![Shell {
+            faces: vec![(0, true)],
+            closed: false,
+        }],
+    };
+    let item = Item {
+        name: String::new(),
+        colour: None,
+        form: ItemForm::Body {
+            body,
+            faces: Vec::new(),
+        },
+    };
+    let d = Document {
+        items: vec![item],
+        ..Document::default()
+    };
+    let options = IgesOptions {
+        tolerance: 1e-9,
+        trimmed: true,
+    };
+    let back = read(&text(&d, &options).unwrap().0).unwrap();
+    assert!(back.left_out.is_empty(), "{:?}", back.left_out);
+    let figures = nappe::body::figures(self::body(&back, 0)).unwrap();
+    let area = figures.areas[0].as_ref().unwrap().value;
+    assert!((area - 0.75).abs() < 1e-9, "{area}");
 }
