@@ -8,7 +8,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use nappe::body::{Body, Coedge, Edge, Face, Loop, Shell, Vertex, cover, sew};
 use nappe::query::{Finder, FinderOptions};
 use nappe::surface::Side;
-use nappe::{Box3, Breaks, CurveRef, SurfaceRef};
+use nappe::{CurveRef, SurfaceRef};
 
 /// The pieces of a boundary may be this far apart, relative to its size. What is farther apart has a piece missing.
 const GAP: f64 = 1e-3;
@@ -179,24 +179,13 @@ fn turn(coedges: &mut [Coedge]) {
     coedges.iter_mut().for_each(|c| c.forward = !c.forward);
 }
 
-/// A box around points of a curve. An enclosure of all of it is infinite where a file's weights differ much.
-fn around(curve: &CurveRef) -> Option<Box3> {
-    const POINTS: usize = 8;
-    let breaks = curve.breaks();
-    let points = (0..breaks.pieces()).flat_map(|k| {
-        let piece = breaks.piece(k);
-        (0..=POINTS).map(move |i| piece.lo + piece.width() * i as f64 / POINTS as f64)
-    });
-    Box3::around(points.map(|t| curve.point(t)))
-}
-
 /// Edges end to end, each run through as it fits the one before.
 fn chain(body: &mut Body, pieces: &[CurveRef]) -> Got<Vec<Coedge>> {
-    let boxes: Vec<Box3> = pieces.iter().filter_map(around).collect();
-    let whole = boxes.iter().copied().reduce(Box3::hull);
+    let boxes = pieces.iter().map(|p| p.bounds(p.domain()));
+    let whole = boxes.clone().reduce(|a, b| a.hull(b));
     let size = whole.map_or(0.0, |b| b.diagonal());
-    if boxes.len() < pieces.len() || !size.is_finite() {
-        return Err("a boundary with points that are not finite".into());
+    if !size.is_finite() {
+        return Err("a boundary that has no finite box".into());
     }
     // A piece that is a point has no course.
     let kept: Vec<&CurveRef> = pieces

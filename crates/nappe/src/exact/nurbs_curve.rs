@@ -368,6 +368,16 @@ impl Curve for NurbsCurve {
         for (o, r) in out.iter_mut().zip(&r) {
             *o = Box3::from(*r);
         }
+        // Within the domain a span lies in the hull of its points if weights are positive, also where their enclosed sum may
+        // be zero.
+        if self.domain().encloses(t) && points.iter().all(|p| p.w > 0.0) {
+            let place = |i: usize| {
+                let [x, y, z, w] = point(i);
+                Box3::from([x / w, y / w, z / w])
+            };
+            let hull = (0..points.len()).map(place).reduce(Box3::hull);
+            out[0] = hull.map_or(out[0], |hull| out[0].meet(hull));
+        }
         out[0] = out[0] + Box3::point(shift) + Box3::point(self.origin);
     }
 
