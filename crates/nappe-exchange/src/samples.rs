@@ -1,10 +1,23 @@
-//! Meshes with known answers, for this crate's tests and pictures.
+//! Meshes with known answers, for this crate's tests and pictures, and public files.
 
 use crate::scene::{Field, Scene};
 use glam::DVec3;
 use nappe::Units;
 use nappe::mesh::{Certainty, Mesh, MeshPatch, MeshVertex};
 use std::f64::consts::{PI, TAU};
+use std::path::PathBuf;
+
+/// A file that is beside the project on some machines only.
+pub(crate) fn beside(name: &str) -> Option<Vec<u8>> {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let found = root
+        .ancestors()
+        .find_map(|a| std::fs::read(a.join("shared/data").join(name)).ok());
+    if found.is_none() {
+        eprintln!("skipped: {name} is not there");
+    }
+    found
+}
 
 /// A grid of `n × m` cells over `[0, 1]²`. `wrap` says which directions close on themselves; points shared by a
 /// seam or a pole (where neighbours coincide) are one.

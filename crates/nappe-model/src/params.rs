@@ -131,37 +131,23 @@ impl Scope {
         }
         let bound = self.bind(&e, from, &names, node, subject, diags)?;
         let at: Vec<[f64; 2]> = changing.iter().map(|c| c.1).collect();
-        match bound.slope(&at) {
-            Ok(Slope::One(rate)) if rate.is_finite() => Ok(rate),
-            Ok(Slope::Kink(range)) => {
-                let rates = if range.is_finite() {
-                    let [a, b] = [range.lo, range.hi].map(|x| significant(x, 6));
-                    format!("its derivative is {a} on one side and {b} on the other")
-                } else {
-                    "it jumps".to_owned()
-                };
-                diags.push(
-                    Diagnostic::new(
-                        "kink",
-                        subject.say(format!("here \"{text}\" changes its formula: {rates}")),
-                    )
-                    .at(node.span.clone(), "no derivative")
-                    .help("give the parameter a value a little off this one"),
-                );
-                Err(Broken)
+        let message = match bound.slope(&at) {
+            Ok(Slope::One(rate)) if rate.is_finite() => return Ok(rate),
+            Ok(Slope::Kink(range)) if range.is_finite() => {
+                let [a, b] = [range.lo, range.hi].map(|x| significant(x, 6));
+                format!(
+                    "here \"{text}\" changes its formula: its derivative is {a} on one side and {b} on the other"
+                )
             }
-            Ok(Slope::One(_)) | Err(_) => {
-                diags.push(
-                    Diagnostic::new(
-                        "kink",
-                        subject.say(format!("\"{text}\" has no finite derivative here")),
-                    )
-                    .at(node.span.clone(), "no derivative")
-                    .help("give the parameter a value a little off this one"),
-                );
-                Err(Broken)
-            }
-        }
+            Ok(Slope::Kink(_)) => format!("here \"{text}\" changes its formula: it jumps"),
+            Ok(Slope::One(_)) | Err(_) => format!("\"{text}\" has no finite derivative here"),
+        };
+        diags.push(
+            Diagnostic::new("kink", subject.say(message))
+                .at(node.span.clone(), "no derivative")
+                .help("give the parameter a value a little off this one"),
+        );
+        Err(Broken)
     }
 }
 

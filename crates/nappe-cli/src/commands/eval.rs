@@ -67,9 +67,6 @@ pub(crate) struct Args {
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
         let format = OutputFormat::choose(self.format, self.output.as_deref())?;
-        if let Some(path) = &self.output {
-            output::check(path)?;
-        }
         let model = self.model.open(screen)?;
         let target = match (&self.surface, &self.curve) {
             (Some(name), _) => Target::Surface(name.clone(), model::surface(&model, name)?),

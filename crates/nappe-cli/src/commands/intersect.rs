@@ -91,9 +91,6 @@ struct Rows {
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
         let format = OutputFormat::choose(self.format, self.output.as_deref())?;
-        if let Some(path) = &self.output {
-            output::check(path)?;
-        }
         let model = self.model.open(screen)?;
         let rows = match (&self.curve, &self.surface, &self.surfaces[..]) {
             (Some(curve), Some(surface), _) => {

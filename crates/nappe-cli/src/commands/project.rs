@@ -82,9 +82,6 @@ pub(crate) struct Args {
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
         let format = OutputFormat::choose(self.format, self.output.as_deref())?;
-        if let Some(path) = &self.output {
-            output::check(path)?;
-        }
         let model = self.model.open(screen)?;
         let input = Input::named(self.points.as_deref(), project::wanted(), "")?;
         let question = self.question(&model)?;

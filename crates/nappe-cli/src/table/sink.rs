@@ -2,6 +2,7 @@
 //! read the same number back: 17 significant digits at most.
 
 use crate::failure::{Failure, Problem};
+use crate::output;
 use clap::ValueEnum;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
 use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType};
@@ -37,7 +38,7 @@ impl OutputFormat {
     }
 
     /// The format that was asked for, that of the file's ending, or CSV. Errors: an ending that names none, and Parquet for
-    /// a terminal.
+    /// a terminal, and a file that cannot be written.
     pub(crate) fn choose(
         asked: Option<OutputFormat>,
         path: Option<&Path>,
@@ -57,6 +58,9 @@ impl OutputFormat {
             return Err(Failure::usage(
                 "--format parquet is binary: write it to a file with -o FILE.parquet, or pipe it on",
             ));
+        }
+        if let Some(path) = path {
+            output::check(path)?;
         }
         Ok(format)
     }

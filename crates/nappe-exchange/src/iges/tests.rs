@@ -3,31 +3,20 @@
 use super::read;
 use super::write::{IgesOptions, text};
 use crate::document::{Document, Item, ItemForm};
+use crate::samples::beside;
 use glam::DVec3;
 use nappe::CurveRef;
 use nappe::body::{Body, Coedge, Edge, Face, Loop, Shell, Vertex};
 use nappe::curve::{Ellipse, Line};
 use nappe::surface::bilinear;
 use std::f64::consts::{PI, TAU};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A file of the project's own test data.
 fn own(name: &str) -> Vec<u8> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data");
     std::fs::read(Path::new(folder).join(name)).unwrap()
-}
-
-/// A file that is beside the project on some machines only.
-fn beside(name: &str) -> Option<Vec<u8>> {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    let found = root
-        .ancestors()
-        .find_map(|a| std::fs::read(a.join("shared/data").join(name)).ok());
-    if found.is_none() {
-        eprintln!("skipped: {name} is not there");
-    }
-    found
 }
 
 /// Directory and parameter lines of a file: kind, form, matrix, status and parameters of each entity.

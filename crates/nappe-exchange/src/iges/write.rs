@@ -6,7 +6,7 @@
 
 use super::out::Out;
 use crate::atomic::write_atomically;
-use crate::hollow::hollow;
+use crate::hollow::is_hollow;
 use crate::{Document, ExchangeError, Item, ItemForm};
 use glam::DVec3;
 use nappe::body::{Body, Coedge, Loop};
@@ -317,7 +317,7 @@ impl Writer {
             self.out.style(d, &name, colour);
             faces.push(d);
         }
-        let hollow = hollow(body);
+        let hollow = is_hollow(body);
         let mut around = Vec::new();
         for shell in &body.shells {
             let status = if shell.closed { PART } else { WHOLE };

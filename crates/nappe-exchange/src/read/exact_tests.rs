@@ -2,22 +2,11 @@
 
 use super::{Read, read_bytes};
 use crate::document::{Document, ItemForm};
+use crate::samples::beside;
 use glam::DVec3;
 use nappe::{Curve, CurveRef, SurfaceRef};
 use std::f64::consts::{PI, TAU};
 use std::path::PathBuf;
-
-/// A file that is beside the project on some machines only.
-fn beside(name: &str) -> Option<Vec<u8>> {
-    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-    let found = root
-        .ancestors()
-        .find_map(|a| std::fs::read(a.join("shared/data").join(name)).ok());
-    if found.is_none() {
-        eprintln!("skipped: {name} is not there");
-    }
-    found
-}
 
 fn document(ending: &str, bytes: &[u8]) -> Document {
     match read_bytes(ending, bytes) {

@@ -10,6 +10,8 @@ mod meant;
 mod mutated;
 mod peers;
 mod round;
+#[path = "../shared/mod.rs"]
+mod shared;
 mod speed;
 
 use nappe::body::sew;
@@ -17,16 +19,7 @@ use nappe::surface::SurfaceRef;
 use nappe::{DVec3, Units};
 use nappe_exchange::step::{self, Schema, StepOptions};
 use nappe_exchange::{Document, Item, ItemForm};
-use std::path::{Path, PathBuf};
-
-/// The folder of public files beside the project; `None` where it is not.
-fn shared() -> Option<PathBuf> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    ["../shared/data", "../../shared/data"]
-        .into_iter()
-        .map(|d| root.join(d))
-        .find(|d| d.is_dir())
-}
+use shared::shared;
 
 /// A document with surfaces sewn to one body.
 fn sewn(surfaces: &[SurfaceRef], units: Units) -> Document {

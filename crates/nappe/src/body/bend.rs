@@ -22,11 +22,12 @@
 //! A chord is a triangle without one of its sides: ⅛ |q| is enough.
 
 use super::chart::Chart;
+use super::closing::on_line;
 use crate::box3::Box3;
 use crate::breaks::{Breaks, Limit};
 use crate::interval::{Interval, greater};
 use crate::mesh::sampled;
-use crate::surface::{Dir, enclose_direct, jet_index, jet_len};
+use crate::surface::{Dir, enclose_direct, jet_index};
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -294,17 +295,8 @@ impl Chart<'_> {
         for (t, limit) in parts {
             // The derivatives by the other parameter of the jump.
             let jump = |t: Interval, order: usize| {
-                let side = |at: f64, from: Limit| {
-                    let mut boxes = vec![Box3::ENTIRE; jet_len(order)];
-                    let (across, along) = ([(Interval::point(at), from)], [(t, limit)]);
-                    let parts = if d == 0 {
-                        [&across[..], &along[..]]
-                    } else {
-                        [&along[..], &across[..]]
-                    };
-                    self.surface.enclose_pieces(parts, order, &mut boxes);
-                    boxes
-                };
+                let side =
+                    |at: f64, from: Limit| on_line(self.surface, d, (at, from), (t, limit), order);
                 let (a, b) = (side(at[0], Limit::Below), side(at[1], Limit::Above));
                 (0..order)
                     .map(|k| {

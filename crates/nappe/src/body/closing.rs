@@ -1,7 +1,7 @@
 //! Proof of what samples say: that sides of a surface meet, or are one point.
 
 use crate::box3::Box3;
-use crate::breaks::{Breaks, Limit};
+use crate::breaks::{Breaks, Limit, Part};
 use crate::interval::{Interval, greater};
 use crate::surface::{Dir, Surface, jet_index, jet_len};
 use glam::DVec3;
@@ -36,14 +36,7 @@ pub(super) fn apart(
         } else {
             (ends.lo, Limit::Above)
         };
-        let mut boxes = vec![Box3::ENTIRE; jet_len(order)];
-        let (across, along) = ([(Interval::point(at), from)], [(t, limit)]);
-        let parts = if d == 0 {
-            [&across[..], &along[..]]
-        } else {
-            [&along[..], &across[..]]
-        };
-        surface.enclose_pieces(parts, order, &mut boxes);
+        let boxes = on_line(surface, d, (at, from), (t, limit), order);
         let own = |k: usize| {
             boxes[if d == 0 {
                 jet_index(0, k)
@@ -95,6 +88,25 @@ pub(super) fn apart(
         waiting.push((Interval::new(m, t.hi), limit));
     }
     Some(greatest)
+}
+
+/// Encloses the jet over a piece `along` a line where parameter `d` is one number, from one side of it.
+pub(super) fn on_line(
+    surface: &dyn Surface,
+    d: usize,
+    (at, from): (f64, Limit),
+    along: Part,
+    order: usize,
+) -> Vec<Box3> {
+    let mut boxes = vec![Box3::ENTIRE; jet_len(order)];
+    let (across, along) = ([(Interval::point(at), from)], [along]);
+    let parts = if d == 0 {
+        [&across[..], &along[..]]
+    } else {
+        [&along[..], &across[..]]
+    };
+    surface.enclose_pieces(parts, order, &mut boxes);
+    boxes
 }
 
 /// A distance that is this share of what is near is small.

@@ -1,9 +1,9 @@
 //! Areas and volumes of trimmed faces against closed forms, and of their images under maps.
 
-use crate::mesh::{Maker, SCALES, plane};
+use crate::mesh::{Maker, SCALES, cut_cylinder, plane};
 use crate::shapes::*;
 use nappe::body::{Body, BodyError, BodyMeshError, FaceError, RegionError, figures, mesh, sew};
-use nappe::curve::{CurveRef, Ellipse, EllipseOptions, ExpressionCurve, Line};
+use nappe::curve::{CurveRef, ExpressionCurve, Line};
 use nappe::expr::Expr;
 use nappe::surface::{Elementary, ruled};
 use nappe::{DAffine3, DMat3, DVec3, Dir, Frame, MeshOptions};
@@ -67,25 +67,7 @@ fn trimmed_areas_are_those_of_closed_forms() {
 #[test]
 fn a_closed_shell_has_its_volume() {
     for (s, o) in SCALES {
-        let mut m = Maker::default();
-        m.circle(o, DVec3::Z, s);
-        let ellipse = EllipseOptions {
-            normal: v(-0.5, 0.0, 1.0),
-            x_direction: Some(v(1.0, 0.0, 0.5)),
-            ..EllipseOptions::default()
-        };
-        let top = o + s * v(0.0, 0.0, 2.0);
-        let axes = [s * 1.25f64.sqrt(), s];
-        m.edge(Arc::new(Ellipse::new(top, axes, ellipse).unwrap()));
-        let axis = Frame::new(o, DVec3::Z, v(1.0, 1.0, 0.0)).unwrap();
-        let side = Elementary::Cylinder {
-            axis,
-            radius: s,
-            outward: true,
-        };
-        m.face(plane(o, -DVec3::Z), true, &[&[-1]]);
-        m.face(side, true, &[&[1], &[-2]]);
-        m.face(plane(top, v(-0.5, 0.0, 1.0)), true, &[&[2]]);
+        let mut m = cut_cylinder(s, o);
         m.body.shells.push(nappe::body::Shell {
             faces: vec![(0, true), (1, true), (2, true)],
             closed: true,

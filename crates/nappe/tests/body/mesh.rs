@@ -204,30 +204,37 @@ fn sewn_surfaces_are_meshed_as_bodies() {
     near(volume(&m), 6.0, 1e-12);
 }
 
+/// A cylinder of radius s between a floor and an oblique ellipse, of mean height 2 s.
+pub(crate) fn cut_cylinder(s: f64, o: DVec3) -> Maker {
+    let mut m = Maker::default();
+    m.circle(o, DVec3::Z, s);
+    // z = 2 + x/2 on the cylinder: semi-axes √(5/4) and 1.
+    let ellipse = EllipseOptions {
+        normal: v(-0.5, 0.0, 1.0),
+        x_direction: Some(v(1.0, 0.0, 0.5)),
+        ..EllipseOptions::default()
+    };
+    let top = o + s * v(0.0, 0.0, 2.0);
+    let axes = [s * 1.25f64.sqrt(), s];
+    m.edge(Arc::new(Ellipse::new(top, axes, ellipse).unwrap()));
+    let axis = Frame::new(o, DVec3::Z, v(1.0, 1.0, 0.0)).unwrap();
+    let side = Elementary::Cylinder {
+        axis,
+        radius: s,
+        outward: true,
+    };
+    m.face(plane(o, -DVec3::Z), true, &[&[-1]]);
+    m.face(side, true, &[&[1], &[-2]]);
+    m.face(plane(top, v(-0.5, 0.0, 1.0)), true, &[&[2]]);
+    m
+}
+
 /// A cylinder between a flat floor and an oblique ellipse.
 #[test]
 fn a_cylinder_cut_obliquely_is_closed() {
     for (s, o) in SCALES {
-        let mut m = Maker::default();
-        m.circle(o, DVec3::Z, s);
-        // z = 2 + x/2 on the cylinder: semi-axes √(5/4) and 1.
-        let ellipse = EllipseOptions {
-            normal: v(-0.5, 0.0, 1.0),
-            x_direction: Some(v(1.0, 0.0, 0.5)),
-            ..EllipseOptions::default()
-        };
+        let m = cut_cylinder(s, o);
         let top = o + s * v(0.0, 0.0, 2.0);
-        let axes = [s * 1.25f64.sqrt(), s];
-        m.edge(Arc::new(Ellipse::new(top, axes, ellipse).unwrap()));
-        let axis = Frame::new(o, DVec3::Z, v(1.0, 1.0, 0.0)).unwrap();
-        let side = Elementary::Cylinder {
-            axis,
-            radius: s,
-            outward: true,
-        };
-        m.face(plane(o, -DVec3::Z), true, &[&[-1]]);
-        m.face(side, true, &[&[1], &[-2]]);
-        m.face(plane(top, v(-0.5, 0.0, 1.0)), true, &[&[2]]);
         let distance = |i: usize, q: DVec3| match i {
             0 => q.z - o.z,
             1 => (q - o).truncate().length() - s,

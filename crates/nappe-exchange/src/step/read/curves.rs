@@ -100,7 +100,7 @@ pub(super) fn course(space: &Space<'_>, id: u64, depth: usize) -> Got<Course> {
 }
 
 /// A length that must be positive.
-fn length(space: &Space<'_>, args: &Args<'_, '_>, i: usize) -> Got<f64> {
+pub(super) fn length(space: &Space<'_>, args: &Args<'_, '_>, i: usize) -> Got<f64> {
     let x = space.length(args.real(i)?);
     if x > 0.0 && x.is_finite() {
         return Ok(x);

@@ -1,7 +1,7 @@
 //! Surfaces, endless ones included.
 
-use super::curves::{self, Course};
-use super::file::{Args, Got};
+use super::curves::{self, Course, length};
+use super::file::Got;
 use super::place::Space;
 use super::splines;
 use glam::DVec3;
@@ -105,15 +105,4 @@ pub(super) fn expanse(space: &Space<'_>, id: u64, depth: usize) -> Got<Expanse> 
         "OFFSET_SURFACE" => return Err(record.refused("offset surfaces are not read")),
         _ => return Err(record.refused("surfaces of this kind are not read")),
     })
-}
-
-fn length(space: &Space<'_>, args: &Args<'_, '_>, i: usize) -> Got<f64> {
-    let x = space.length(args.real(i)?);
-    if x > 0.0 && x.is_finite() {
-        return Ok(x);
-    }
-    Err(args.refused(format!(
-        "its parameter {} is {x}, not a positive length",
-        i + 1
-    )))
 }

@@ -4,9 +4,9 @@ use super::WriteError;
 use super::geometry;
 use super::out::Out;
 use crate::FaceStyle;
+use crate::hollow::{is_hollow, is_turned};
 use glam::DVec3;
-use nappe::body::{Body, Coedge, Face, Loop, Shell, figures};
-use nappe::measure::Measured;
+use nappe::body::{Body, Coedge, Face, Loop, Shell};
 use nappe::mesh::Certainty;
 use nappe::surface::Surface;
 
@@ -134,35 +134,6 @@ pub(super) fn body(
     Ok(writer.parts)
 }
 
-/// Whether a shell takes all its faces the other way round.
-fn is_turned(shell: &Shell) -> bool {
-    shell.faces.iter().all(|f| !f.1)
-}
-
-/// Whether all shells but the first are turned inside out: the hollows of a solid. Where their faces do not all say so, what
-/// they enclose does.
-fn is_hollow(body: &Body) -> bool {
-    let shells = &body.shells;
-    if shells.len() < 2 || !shells.iter().all(|s| s.closed) {
-        return false;
-    }
-    if !is_turned(&shells[0]) && shells[1..].iter().all(is_turned) {
-        return true;
-    }
-    if !shells[1..].iter().all(|s| is_within(body, s, &shells[0])) {
-        return false;
-    }
-    let Ok(figures) = figures(body) else {
-        return false;
-    };
-    let sign = |v: &Option<Measured>| {
-        let v = v.as_ref()?;
-        (v.value.abs() > v.certainty.error()).then_some(v.value > 0.0)
-    };
-    let mut signs = figures.volumes.iter().map(sign);
-    signs.next() == Some(Some(true)) && signs.all(|s| s == Some(false))
-}
-
 /// Whether each two opposite sides of a surface are one curve or a point each, by samples.
 fn is_closed(surface: &dyn Surface) -> bool {
     let domain = surface.domain();
@@ -184,26 +155,6 @@ fn is_closed(surface: &dyn Surface) -> bool {
         let point = |side: f64| all().all(|i| same(at(dir, side, i), at(dir, side, 0)));
         all().all(|i| same(at(dir, 0.0, i), at(dir, 1.0, i))) || (point(0.0) && point(1.0))
     })
-}
-
-/// Whether a shell may lie in another: their edges' boxes do not say that it does not.
-fn is_within(body: &Body, inner: &Shell, outer: &Shell) -> bool {
-    let extent = |shell: &Shell| {
-        let loops = shell.faces.iter().flat_map(|f| &body.faces[f.0].loops);
-        let coedges = loops.flat_map(|l| match l {
-            Loop::Edges(coedges) => coedges.as_slice(),
-            Loop::Vertex(_) => &[],
-        });
-        let curves = coedges.map(|c| &body.edges[c.edge].curve);
-        curves
-            .map(|c| c.bounds(c.domain()))
-            .reduce(|a, b| a.hull(b))
-    };
-    // Faces without edges reach anywhere, and faces reach beyond their edges.
-    match (extent(inner), extent(outer)) {
-        (Some(inner), Some(outer)) => inner.mid().distance(outer.mid()) <= outer.diagonal(),
-        _ => true,
-    }
 }
 
 impl Writer<'_, '_, '_> {
@@ -233,6 +184,16 @@ impl Writer<'_, '_, '_> {
         Ok(self.out.open(keyword).text("").references(&faces).close()?)
     }
 
+    fn vertex_loop(&mut self, vertex: u64) -> Result<u64, WriteError> {
+        let out = self.out.open("VERTEX_LOOP").text("");
+        Ok(out.reference(vertex).close()?)
+    }
+
+    fn bound(&mut self, of: u64) -> Result<u64, WriteError> {
+        let out = self.out.open("FACE_BOUND").text("");
+        Ok(out.reference(of).word(".T.").close()?)
+    }
+
     fn face(&mut self, face: &Face, name: &str) -> Result<u64, WriteError> {
         let surface = geometry::surface(self.out, face.surface.as_ref(), self.tol)?;
         if surface.certainty != Certainty::Exact {
@@ -242,30 +203,14 @@ impl Writer<'_, '_, '_> {
         let mut bounds = Vec::new();
         if face.loops.is_empty() {
             let vertex = self.anywhere(face)?;
-            let id = self
-                .out
-                .open("VERTEX_LOOP")
-                .text("")
-                .reference(vertex)
-                .close()?;
-            bounds.push(
-                self.out
-                    .open("FACE_BOUND")
-                    .text("")
-                    .reference(id)
-                    .word(".T.")
-                    .close()?,
-            );
+            let id = self.vertex_loop(vertex)?;
+            bounds.push(self.bound(id)?);
         }
         for l in &face.loops {
             let id = match l {
                 Loop::Vertex(v) => {
                     let vertex = self.vertex(*v)?;
-                    self.out
-                        .open("VERTEX_LOOP")
-                        .text("")
-                        .reference(vertex)
-                        .close()?
+                    self.vertex_loop(vertex)?
                 }
                 Loop::Edges(coedges) => {
                     let ids: Result<Vec<u64>, WriteError> =
@@ -277,14 +222,7 @@ impl Writer<'_, '_, '_> {
                         .close()?
                 }
             };
-            bounds.push(
-                self.out
-                    .open("FACE_BOUND")
-                    .text("")
-                    .reference(id)
-                    .word(".T.")
-                    .close()?,
-            );
+            bounds.push(self.bound(id)?);
         }
         let same = face.forward == surface.same;
         let out = &mut self.out;
