@@ -8,7 +8,7 @@ use crate::model::Join;
 use crate::value::Span;
 use nappe::curve::{Curve, CurveRef, Isocurve};
 use nappe::expr::nearest;
-use nappe::surface::{CollapsedError, SurfaceRef, check_not_collapsed};
+use nappe::surface::{CollapsedError, Fillet, SurfaceRef, check_not_collapsed};
 use nappe::{Breaks, DVec3, Frame, LARGEST_LENGTH};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -31,6 +31,8 @@ pub(crate) struct Patch {
     pub(crate) suffix: Option<String>,
     pub(crate) surface: SurfaceRef,
     pub(crate) net: Option<Vec<Vec<DVec3>>>,
+    /// The surface as a fillet, if it is one.
+    pub(crate) fillet: Option<Arc<Fillet>>,
 }
 
 impl Patch {
@@ -40,6 +42,7 @@ impl Patch {
             suffix: None,
             surface,
             net: None,
+            fillet: None,
         }]
     }
 }

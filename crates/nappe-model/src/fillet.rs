@@ -25,7 +25,10 @@ impl Builder<'_> {
         let ([first, second], radius) = (supports?, radius?);
         let fillet =
             Fillet::new(&first, &second, radius, options).map_err(|e| self.fillet_error(o, &e))?;
-        Ok(Patch::one(Arc::new(fillet)))
+        let fillet = Arc::new(fillet);
+        let mut patches = Patch::one(fillet.clone());
+        patches[0].fillet = Some(fillet);
+        Ok(patches)
     }
 
     /// The two surfaces that a key names, both tried so that all faults are said.

@@ -5,7 +5,7 @@ use crate::diagnostics::{Diagnostic, Diagnostics, Label};
 use crate::import::Importer;
 use crate::params::Parameter;
 use nappe::curve::CurveRef;
-use nappe::surface::SurfaceRef;
+use nappe::surface::{Fillet, SurfaceRef};
 use nappe::{DVec3, Units};
 use std::ops::Range;
 use std::sync::Arc;
@@ -45,6 +45,8 @@ pub struct NamedSurface {
     pub place: Range<usize>,
     /// The control net, rows along u, if the kind is given by one.
     pub control_net: Option<Vec<Vec<DVec3>>>,
+    /// The surface as a fillet, if the object is one: its ball, contacts and certificate. `None` for its images.
+    pub fillet: Option<Arc<Fillet>>,
 }
 
 /// A `join`. Its members stand in the model's list of surfaces by their own names and are put out once, there.

@@ -31,6 +31,7 @@ impl Builder<'_> {
             suffix: None,
             surface: Arc::new(surface),
             net: Some(rows),
+            fillet: None,
         }])
     }
 

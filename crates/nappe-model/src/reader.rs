@@ -252,6 +252,7 @@ fn read(
                 construction_only: object.construction_only,
                 place: object.fields.span.clone(),
                 control_net: p.net.clone(),
+                fillet: p.fillet.clone(),
             };
             // A join's members are in the list already.
             let own = if object.kind.name == "join" {

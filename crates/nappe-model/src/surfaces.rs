@@ -330,6 +330,7 @@ impl Builder<'_> {
                 suffix: p.suffix.clone(),
                 surface: Arc::new(surface),
                 net,
+                fillet: None,
             });
         }
         Ok(patches)
@@ -352,5 +353,6 @@ fn netted<S: Surface + 'static>(surface: S, net: Option<Vec<Vec<DVec3>>>) -> Vec
         suffix: None,
         surface,
         net,
+        fillet: None,
     }]
 }

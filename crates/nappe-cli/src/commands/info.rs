@@ -4,6 +4,7 @@ use super::figures;
 use super::info_file;
 use super::rates::Rates;
 use super::report::{ReportFormat, certainty_json, measured_json};
+use super::touching::{self, Touching};
 use crate::failure::{Failure, Problem};
 use crate::model::ModelArgs;
 use crate::scene;
@@ -34,6 +35,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 ///
 /// The room for a tool is the radius of the largest ball that touches a surface from the side of its normal, or from
 /// behind, without being stopped by its curvature or a crease in it; where it meets others is not looked at. Inertia is that of a solid of density 1 about its centroid.
+///
+/// Fillets are told with their certificate: the ball touches both supports along its whole path, which is proven when the
+/// surface is made, and how far the numbers are from that.
 ///
 /// Derivatives by a parameter are exact formulas and not differences; curvature and room for a tool have none. Where
 /// the surfaces touch a face of the box in several places its derivatives to either side are in a range. A surface
@@ -191,6 +195,8 @@ struct SurfaceFacts {
     curvature: Option<CurvatureExtremes>,
     /// The room on the side of the normal and behind.
     balls: Option<[RollingBall; 2]>,
+    /// The ball, if the surface is a fillet.
+    fillet: Option<Touching>,
     /// Total curvature and its variation, if asked for.
     bending: Option<(TotalCurvature, Measured)>,
     closed: [bool; 2],
@@ -205,7 +211,7 @@ impl Facts {
         let met = joints(&surfaces, joined);
         let progress = screen.progress("Measuring");
         let done = AtomicUsize::new(0);
-        let facts: Vec<SurfaceFacts> = surfaces
+        let facts: Vec<SurfaceFacts> = named
             .par_iter()
             .enumerate()
             .map(|(i, s)| {
@@ -304,6 +310,10 @@ impl Facts {
         if !self.surfaces.is_empty() {
             text.push_str(&format!("\n{}\n", self.table(model, unit)));
             text.push_str(&format!("\n{}\n", self.room(model, unit)));
+            let balls = model.output().zip(self.surfaces.iter().map(|f| f.fillet));
+            if let Some(fillets) = touching::table(balls, unit) {
+                text.push_str(&format!("\n{fillets}\n"));
+            }
             if let Some(bending) = self.bending(model, unit) {
                 text.push_str(&format!("\n{bending}\n"));
             }
@@ -514,7 +524,8 @@ impl Facts {
 }
 
 impl SurfaceFacts {
-    fn of(surface: &SurfaceRef, index: usize, met: &Joints, bending: bool) -> SurfaceFacts {
+    fn of(named: &NamedSurface, index: usize, met: &Joints, bending: bool) -> SurfaceFacts {
+        let surface = &named.surface;
         let own = |a: Side, b: Side| {
             met.joints.iter().any(|j| {
                 let sides = [j.first, j.second];
@@ -532,6 +543,7 @@ impl SurfaceFacts {
                 .as_ref()
                 .map(|c| rolling_balls(surface.as_ref(), c)),
             curvature,
+            fillet: named.fillet.as_deref().map(Touching::of),
             bending: bending.then(|| {
                 let total = total_curvature(surface.as_ref(), &BENDING);
                 (total, curvature_variation(surface.as_ref(), &BENDING))
@@ -574,6 +586,7 @@ impl SurfaceFacts {
             "gaussian_curvature": self.curvature.as_ref().map(|c| c.gaussian.map(extreme_json)),
             "mean_curvature": self.curvature.as_ref().map(|c| c.mean.map(extreme_json)),
             "smallest_radius": self.curvature.as_ref().map(|c| c.smallest_radius).filter(|r| r.is_finite()),
+            "fillet": self.fillet.map(Touching::json),
             "rolling_balls": self.balls.map(figures::balls_json),
             "total_curvature": self.bending.map(|b| measured_json(b.0.value)),
             "developable": self.bending.map(|b| figures::developable(b.0.developable)),

@@ -16,6 +16,7 @@ mod rates;
 mod render;
 mod report;
 mod schema;
+mod touching;
 mod traced;
 
 use crate::failure::Failure;

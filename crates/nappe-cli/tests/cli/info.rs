@@ -351,3 +351,38 @@ angle = "180deg"
         report.data()
     );
 }
+
+/// A ball rolls round between a sphere and the plane through its middle, now larger, now smaller.
+#[test]
+fn the_certificate_of_a_fillet() {
+    let folder = Folder::with_model(
+        r#"
+title = "Dome"
+units = "m"
+[surfaces.dome]
+kind = "revolution"
+profile = { kind = "arc", center = [0, 0, 0], radius = 2, normal = "y", from = "-90deg", to = "90deg" }
+[surfaces.floor]
+kind = "bilinear"
+corners = [[[-5, -5, 0], [-5, 5, 0]], [[5, -5, 0], [5, 5, 0]]]
+[surfaces.rolled]
+kind = "fillet"
+between = ["floor", "dome"]
+radius = "0.5 - 0.1 * cos(2 * pi * u)"
+near = [2.3, 0, 0.3]
+"#,
+    );
+    let info = json(&folder, "");
+    let fillet = &info["surfaces"][2]["fillet"];
+    let radius = [0, 1].map(|k| fillet["radius"][k].as_f64().unwrap());
+    assert!((radius[0] - 0.4).abs() < 1e-12 && (radius[1] - 0.6).abs() < 1e-12);
+    let error = fillet["contact_error"].as_f64().unwrap();
+    assert!(error > 0.0 && error < 1e-12, "{error:e}");
+    assert!(info["surfaces"][0]["fillet"].is_null());
+    let text = folder.nappe("info model.nappe.toml");
+    let text = text.data();
+    assert!(
+        text.contains("0.4 … 0.6") && text.contains("proven for the whole path"),
+        "{text}"
+    );
+}

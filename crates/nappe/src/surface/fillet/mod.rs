@@ -204,6 +204,16 @@ impl Fillet {
         let spine = self.spine.as_ref()?;
         Some(spine.contact_error(u, self.ball(u).0 - spine.supports.origin))
     }
+
+    /// The largest of the bounds [`Self::contact_error`] at `count` parameters spread evenly over `[0, 1]`, both ends
+    /// included. The ball itself touches both supports at every u, which is proven when the fillet is made; this tells
+    /// what rounding leaves of it in numbers. `None` between two planes, and between a plane and a whole cylinder.
+    pub fn contact_errors(&self, count: usize) -> Option<f64> {
+        let last = count.max(2) - 1;
+        (0..=last)
+            .map(|k| self.contact_error(k as f64 / last as f64))
+            .try_fold(0.0, |worst, error| Some(f64::max(worst, error?)))
+    }
 }
 
 /// The limit from inside the domain.
