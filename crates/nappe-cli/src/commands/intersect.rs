@@ -4,7 +4,7 @@ use crate::failure::{Failure, Problem};
 use crate::model::{self, ModelArgs};
 use crate::output;
 use crate::screen::Screen;
-use crate::table::{Cell, Column, OutputFormat};
+use crate::table::{Cell, Column, Holds, OutputFormat};
 use nappe::Limit;
 use nappe::curve::CurveRef;
 use nappe::mesh::{Certainty, flatten};
@@ -81,7 +81,7 @@ pub(crate) struct Args {
 
 /// A table of numbers.
 struct Rows {
-    columns: &'static [&'static str],
+    columns: Vec<Column>,
     /// Not a number where there is nothing.
     numbers: Vec<f64>,
     /// Whether nothing else can be anywhere.
@@ -112,14 +112,13 @@ impl Args {
         };
         let fill = |out: &mut (dyn io::Write + Send)| -> Result<(), Failure> {
             let n = rows.columns.len();
-            let columns: Vec<Column> = rows.columns.iter().map(|c| Column::numbers(*c)).collect();
-            let mut sink = format.sink(&columns, out)?;
+            let mut sink = format.sink(&rows.columns, out)?;
             sink.rows(rows.numbers.len() / n, &|i, j| {
                 let x = rows.numbers[i * n + j];
-                if x.is_nan() {
-                    Cell::Missing
-                } else {
-                    Cell::Number(x)
+                match rows.columns[j].holds {
+                    Holds::Counts => Cell::Count(x as u32),
+                    _ if x.is_nan() => Cell::Missing,
+                    _ => Cell::Number(x),
                 }
             })?;
             Ok(sink.finish()?)
@@ -166,8 +165,11 @@ impl Args {
                 Some(_) => {}
             }
         }
+        let mut columns = vec![Column::counts("branch")];
+        columns.extend(["x", "y", "z", "u", "v", "s", "t"].map(Column::numbers));
+        columns.push(Column::some_numbers("error"));
         Ok(Rows {
-            columns: &["branch", "x", "y", "z", "u", "v", "s", "t", "error"],
+            columns,
             numbers,
             decided: found.undecided.is_empty(),
         })
@@ -253,7 +255,7 @@ fn points(curve: &CurveRef, surface: &SurfaceRef, screen: &Screen) -> Rows {
         [p.t, p.uv[0], p.uv[1], x, y, z]
     };
     Rows {
-        columns: &["t", "u", "v", "x", "y", "z"],
+        columns: ["t", "u", "v", "x", "y", "z"].map(Column::numbers).into(),
         numbers: points.iter().flat_map(row).collect(),
         decided: undecided.is_empty(),
     }

@@ -8,7 +8,7 @@ mod sink;
 
 pub(crate) use self::input::Input;
 pub(crate) use self::problems::Problems;
-pub(crate) use self::sink::{Cell, Column, Nowhere, OutputFormat, Sink};
+pub(crate) use self::sink::{Cell, Column, Holds, Nowhere, OutputFormat, Sink};
 
 use crate::failure::{Failure, Problem};
 

@@ -5,7 +5,7 @@ use crate::failure::{Failure, Problem};
 use crate::output;
 use clap::ValueEnum;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as PhysicalType};
-use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType};
+use parquet::data_type::{ByteArray, ByteArrayType, DataType, DoubleType, Int64Type};
 use parquet::errors::ParquetError;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedColumnWriter, SerializedFileWriter};
@@ -21,7 +21,7 @@ pub(crate) enum OutputFormat {
     Csv,
     /// One JSON object in each line.
     Jsonl,
-    /// Parquet, numbers as 64-bit floating-point numbers.
+    /// Parquet, numbers as 64-bit floating-point numbers, those that count as 64-bit integers.
     Parquet,
 }
 
@@ -79,12 +79,19 @@ impl OutputFormat {
     }
 }
 
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Holds {
+    Numbers,
+    Counts,
+    Texts,
+}
+
 /// A column of a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Column {
     pub(crate) name: String,
-    /// It holds texts, not numbers.
-    pub(crate) text: bool,
+    pub(crate) holds: Holds,
     /// Cells may be missing.
     pub(crate) optional: bool,
 }
@@ -94,7 +101,7 @@ impl Column {
     pub(crate) fn numbers(name: impl Into<String>) -> Column {
         Column {
             name: name.into(),
-            text: false,
+            holds: Holds::Numbers,
             optional: false,
         }
     }
@@ -107,10 +114,18 @@ impl Column {
         }
     }
 
+    /// A column of whole numbers that count something, none missing.
+    pub(crate) fn counts(name: impl Into<String>) -> Column {
+        Column {
+            holds: Holds::Counts,
+            ..Column::numbers(name)
+        }
+    }
+
     /// A column of texts.
     pub(crate) fn texts(name: impl Into<String>) -> Column {
         Column {
-            text: true,
+            holds: Holds::Texts,
             ..Column::some_numbers(name)
         }
     }
@@ -121,6 +136,7 @@ impl Column {
 pub(crate) enum Cell<'a> {
     /// A finite number.
     Number(f64),
+    Count(u32),
     Text(&'a str),
     Missing,
 }
@@ -179,6 +195,7 @@ impl<W: Write> Sink for Csv<W> {
                 }
                 match cells(row, column) {
                     Cell::Number(x) => self.text.extend_from_slice(number.format(x).as_bytes()),
+                    Cell::Count(n) => self.text.extend_from_slice(n.to_string().as_bytes()),
                     Cell::Text(text) => put_field(&mut self.text, text),
                     Cell::Missing => {}
                 }
@@ -238,6 +255,7 @@ impl<W: Write> Sink for Jsonl<W> {
                 self.text.extend_from_slice(before.as_bytes());
                 match cells(row, column) {
                     Cell::Number(x) => self.text.extend_from_slice(number.format(x).as_bytes()),
+                    Cell::Count(n) => self.text.extend_from_slice(n.to_string().as_bytes()),
                     Cell::Text(text) => self.text.extend_from_slice(quoted(text).as_bytes()),
                     Cell::Missing => self.text.extend_from_slice(b"null"),
                 }
@@ -270,16 +288,17 @@ struct Filling {
 
 enum Values {
     Numbers(Vec<f64>),
+    Counts(Vec<i64>),
     Texts(Vec<ByteArray>),
 }
 
 impl Filling {
     fn of(column: &Column) -> Filling {
         Filling {
-            values: if column.text {
-                Values::Texts(Vec::new())
-            } else {
-                Values::Numbers(Vec::new())
+            values: match column.holds {
+                Holds::Numbers => Values::Numbers(Vec::new()),
+                Holds::Counts => Values::Counts(Vec::new()),
+                Holds::Texts => Values::Texts(Vec::new()),
             },
             levels: column.optional.then(Vec::new),
         }
@@ -289,6 +308,10 @@ impl Filling {
         let there = match (&mut self.values, cell) {
             (Values::Numbers(all), Cell::Number(x)) => {
                 all.push(x);
+                1
+            }
+            (Values::Counts(all), Cell::Count(n)) => {
+                all.push(n.into());
                 1
             }
             (Values::Texts(all), Cell::Text(text)) => {
@@ -307,6 +330,7 @@ impl Filling {
         let levels = self.levels.as_deref();
         match &mut self.values {
             Values::Numbers(all) => write::<DoubleType>(writer, all, levels)?,
+            Values::Counts(all) => write::<Int64Type>(writer, all, levels)?,
             Values::Texts(all) => write::<ByteArrayType>(writer, all, levels)?,
         }
         if let Some(levels) = &mut self.levels {
@@ -329,10 +353,10 @@ fn write<T: DataType>(
 impl<W: Write + Send> Parquet<W> {
     fn new(columns: &[Column], out: W) -> io::Result<Self> {
         let field = |c: &Column| {
-            let (physical, logical) = if c.text {
-                (PhysicalType::BYTE_ARRAY, Some(LogicalType::String))
-            } else {
-                (PhysicalType::DOUBLE, None)
+            let (physical, logical) = match c.holds {
+                Holds::Numbers => (PhysicalType::DOUBLE, None),
+                Holds::Counts => (PhysicalType::INT64, None),
+                Holds::Texts => (PhysicalType::BYTE_ARRAY, Some(LogicalType::String)),
             };
             Type::primitive_type_builder(&c.name, physical)
                 .with_logical_type(logical)
@@ -353,7 +377,7 @@ impl<W: Write + Send> Parquet<W> {
             .set_dictionary_enabled(false)
             .set_compression(Compression::UNCOMPRESSED)
             .set_created_by(concat!("nappe version ", env!("CARGO_PKG_VERSION")).into());
-        for c in columns.iter().filter(|c| c.text) {
+        for c in columns.iter().filter(|c| c.holds == Holds::Texts) {
             // Names of surfaces do repeat.
             let path = parquet::schema::types::ColumnPath::from(c.name.as_str());
             properties = properties.set_column_dictionary_enabled(path, true);

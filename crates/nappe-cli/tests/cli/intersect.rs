@@ -30,6 +30,7 @@ fn every_row_is_within_its_error_and_that_within_the_tolerance() {
     for row in rows {
         let [x, y, z, error] = ["x", "y", "z", "error"].map(|key| row[key].as_f64().unwrap());
         assert!(error > 0.0 && error <= 0.001 * (1.0 + 1e-9), "{row}");
+        assert_eq!(row["branch"].to_string(), "1");
         // The circle of radius 0.8 at the height 0.6.
         assert!((x.hypot(y) - 0.8).hypot(z - 0.6) <= error, "{row}");
     }

@@ -16,6 +16,11 @@ const SAME: f64 = 1e-7;
 /// Points nearer than this, relative to the size, are the same.
 const SAME_POINT: f64 = 1e-8;
 
+/// How far apart the same point of two strands may be, for surfaces of a size.
+pub(super) fn rounding(size: f64) -> f64 {
+    SAME_POINT * size
+}
+
 /// A strand with the number of its pair of rectangles.
 pub(super) struct Piece {
     pub(super) strand: Strand,
@@ -39,7 +44,7 @@ pub(super) fn joined(
     size: f64,
     tol: f64,
 ) -> Vec<Joined> {
-    let near_point = SAME_POINT * size;
+    let near_point = rounding(size);
     let point = |k: usize, x: Place| pairs[pieces[k].pair].point(x);
     let near = |a: f64, b: f64, j: usize| (a - b).abs() <= SAME * domain[j].width();
     let end = |k: usize, e: usize| match pieces[k].strand.ends {

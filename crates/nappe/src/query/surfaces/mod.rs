@@ -5,9 +5,10 @@
 //! function of two parameters; but such pieces end inside both surfaces, and every branch would have to be glued along their
 //! sides. So curves are followed in all four parameters at once, by steps that are proven (`step`, `follow`): each box on the
 //! way is shown to hold nothing but one arc. Then boxes of parameters are halved until each is proven empty or lies in boxes
-//! of known curves (`search`): that finds places to begin at, and shows that no branch is missing. `pair` is the equations, `join`
-//! joins across creases and seams.
+//! of known curves (`search`), or beside one (`beside`): that finds places to begin at, and shows that no branch is missing.
+//! `pair` is the equations, `join` joins across creases and seams.
 
+mod beside;
 mod follow;
 mod join;
 mod pair;
@@ -23,7 +24,7 @@ use crate::interval::Interval;
 use crate::measure::size;
 use crate::mesh::Certainty;
 use crate::surface::SurfaceRef;
-use follow::End;
+use follow::{End, only_place};
 use glam::DVec3;
 use join::{Joined, Piece, joined};
 use pair::{Box4, Place};
@@ -122,8 +123,7 @@ impl SurfaceCurve {
     }
 }
 
-/// A place where it is not decided how two surfaces meet: boxes of parameters near each other. One on a seam is told on both
-/// sides of it.
+/// A place where it is not decided how two surfaces meet: boxes of parameters near each other, or across seams.
 ///
 /// There the surfaces may touch, or branches cross; or come nearer to that than can be told; or they may have no common point.
 /// Outside of these boxes everything is proven.
@@ -131,11 +131,11 @@ impl SurfaceCurve {
 pub struct Contact {
     /// The boxes of u, v, s and t.
     pub boxes: Vec<[Interval; 4]>,
-    /// A box around them.
+    /// A box around them: around those on one side of the seams.
     pub hull: [Interval; 4],
     /// The middle of it, on the first surface.
     pub point: DVec3,
-    /// The size of it in space: the longest diagonal of the boxes around the parts of the surfaces.
+    /// Its size in space: the longest diagonal of the boxes around the parts of the surfaces.
     pub size: f64,
     /// True if the surfaces coincide in a region there: within rounding, at all of nine places of each of some boxes.
     pub overlaps: bool,
@@ -215,6 +215,7 @@ pub fn intersect_surfaces(
         return Err(SurfacesError::Tolerance(tol));
     }
     let smaller = size(a.as_ref()).min(size(b.as_ref()));
+    let largest = size(a.as_ref()).max(size(b.as_ref()));
     let tol = options.tol.unwrap_or(DEFAULT_TOL * smaller);
     let Pairs { pairs, rest } = pairs([a, b], tol, smaller, options.budget);
     let mut out = SurfaceSurface {
@@ -250,10 +251,17 @@ pub fn intersect_surfaces(
         }));
         // Beside a singular point there are scraps of curves: they are parts of that place.
         let size = pair.size;
-        let (scraps, kept): (Vec<_>, Vec<_>) = found
+        let (scraps, mut kept): (Vec<_>, Vec<_>) = found
             .strands
             .into_iter()
             .partition(|s| s.is_stuck() && s.length(&stepper) <= SCRAP * size);
+        // Over a corner, from crease to crease: the strands before it and after it agree within rounding.
+        kept.retain(|s| {
+            let corner = s.length(&stepper) <= join::rounding(largest).min(tol);
+            let place = only_place(s).filter(|_| corner);
+            out.touches.extend(place.map(|x| pair.held(x)));
+            place.is_none()
+        });
         open.extend(scraps.iter().flat_map(|s| &s.covers).map(|x| Open {
             x: pair.inside(x),
             coincides: false,
@@ -284,7 +292,6 @@ pub fn intersect_surfaces(
             ends,
         });
     }
-    let largest = size(a.as_ref()).max(size(b.as_ref()));
     let surfaces = [a.clone(), b.clone()];
     let make = |joined: Joined| SurfaceCurve {
         parts: joined.parts,
@@ -301,7 +308,8 @@ pub fn intersect_surfaces(
             out.undecided[k].ends += 1;
         }
     }
-    out.touches = distinct(&out, [a, b]);
+    let ends = pieces.iter().filter_map(|p| p.strand.ends).flatten();
+    out.touches = distinct(&out, ends.map(|e| e.knot().x), a);
     Ok(out)
 }
 
@@ -330,10 +338,34 @@ fn contacts(surfaces: [&SurfaceRef; 2], open: &[Open], widths: Place) -> Vec<Con
         let boxes = group.iter().map(|&k| boxes[k]).collect();
         contact(surfaces, boxes, overlaps)
     };
-    clusters(&scaled, ONE_PLACE)
-        .into_iter()
-        .map(group)
-        .collect()
+    let contacts = clusters(&scaled, ONE_PLACE).into_iter().map(group);
+    across_seams(contacts.collect(), surfaces)
+}
+
+/// Contacts on sides of the domains that are the same place in space, together.
+fn across_seams(contacts: Vec<Contact>, surfaces: [&SurfaceRef; 2]) -> Vec<Contact> {
+    let domains = surfaces.map(|s| s.domain());
+    let on_side = |c: &Contact| {
+        (0..4).any(|j| {
+            let (side, hull) = (domains[j / 2][j % 2], c.hull[j]);
+            hull.lo <= side.lo || hull.hi >= side.hi
+        })
+    };
+    let (sides, mut out): (Vec<Contact>, Vec<Contact>) = contacts.into_iter().partition(on_side);
+    let boxes: Vec<[Interval; 3]> = sides
+        .iter()
+        .map(|c| surfaces[0].bounds([c.hull[0], c.hull[1]]).to_array())
+        .collect();
+    for group in clusters(&boxes, 0.0) {
+        let mut one = sides[group[0]].clone();
+        for other in group[1..].iter().map(|&k| &sides[k]) {
+            one.boxes.extend_from_slice(&other.boxes);
+            one.size = one.size.max(other.size);
+            one.overlaps |= other.overlaps;
+        }
+        out.push(one);
+    }
+    out
 }
 
 /// A contact of at least one box.
@@ -366,13 +398,14 @@ fn in_order(branches: Vec<SurfaceCurve>, width: f64) -> Vec<SurfaceCurve> {
     all.into_iter().map(|b| b.1).collect()
 }
 
-/// Touches that are different points and no ends of branches.
-fn distinct(found: &SurfaceSurface, surfaces: [&SurfaceRef; 2]) -> Vec<Place> {
-    let point = |x: &Place| surfaces[0].point([x[0], x[1]]);
-    let ends = found
-        .branches
-        .iter()
-        .flat_map(|b| [b.parts[0].points[0], b.parts[b.parts.len() - 1].points[3]]);
+/// Touches that are different points and no ends of strands: those are on branches.
+fn distinct(
+    found: &SurfaceSurface,
+    ends: impl Iterator<Item = Place>,
+    first: &SurfaceRef,
+) -> Vec<Place> {
+    let domain = first.domain();
+    let point = |x: &Place| first.point([0, 1].map(|d| x[d].clamp(domain[d].lo, domain[d].hi)));
     let near = found.tol;
     let mut kept: Vec<DVec3> = ends.map(|x| point(&x)).collect();
     let mut out = Vec::new();

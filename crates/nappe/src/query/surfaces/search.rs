@@ -2,12 +2,13 @@
 //! nothing but curves that have been followed.
 //!
 //! A box holds nothing if the parts of the two surfaces are apart: their boxes, or the ranges of their distance along the
-//! normals. A curve is begun at any point to which Newton's method leads from the middle of a box, unless the point lies in
-//! the box of a known curve. So no branch can be lost: what is neither empty nor covered when the boxes are as small as it makes
-//! sense, or the budget ends, is given back as open.
+//! normals; or if a curve is proven to be all that is near and to pass the box (`beside`). A curve is begun at any point to
+//! which Newton's method leads from the middle of a box, unless the point lies in the box of a known curve. So no branch can be
+//! lost: what is neither empty nor covered when the boxes are as small as it makes sense, or the budget ends, is given back as
+//! open.
 
 use super::follow::{Strand, follow, is_covered, only_place};
-use super::pair::{Box4, Pair, Place, null};
+use super::pair::{Box4, Pair, Place};
 use super::step::Stepper;
 use crate::box3::Box3;
 use crate::interval::Interval;
@@ -16,7 +17,6 @@ use crate::query::solve::encloses;
 use crate::ranked::Ranked;
 use crate::surface::Surface;
 use glam::DVec3;
-use std::array::from_fn;
 use std::collections::BinaryHeap;
 
 /// Where a rectangle is cut: not where models like to have their symmetries.
@@ -125,10 +125,12 @@ pub(super) fn search(stepper: &Stepper, mut budget: usize) -> Found {
             continue;
         }
         if top.halved % TRIED_AFTER == 0
-            && begin(stepper, &x, &mut found, &mut covers, &mut steps)
-            && is_covered(x, &covers)
+            && let Some(near) = pair.near(x.map(Interval::mid))
         {
-            continue;
+            let begun = begin(stepper, &near, &mut found, &mut covers, &mut steps);
+            if begun && is_covered(x, &covers) || !pair.holds(&near) && pair.passes(&x, &near) {
+                continue;
+            }
         }
         if COINCIDE_TRIED.contains(&top.halved)
             && (coincide(a, pair, 1, b) || coincide(b, pair, 0, a))
@@ -166,28 +168,24 @@ pub(super) fn search(stepper: &Stepper, mut budget: usize) -> Found {
     found
 }
 
-/// Begins a curve near the middle of a box; false if none is new.
+/// Begins a curve at a place, or on the side beyond which that is; false if none is new.
 fn begin(
     stepper: &Stepper,
-    x: &Box4,
+    near: &Place,
     found: &mut Found,
     covers: &mut Vec<Box4>,
     steps: &mut usize,
 ) -> bool {
     let pair = stepper.pair;
-    let Some(at) = pair.near(x.map(Interval::mid)) else {
-        return false;
-    };
     // Where the curve runs along a side it may be a rounding error beyond it.
-    if !(0..4).all(|j| pair.outer[j].contains(at[j])) {
-        return false;
-    }
-    let (_, g) = pair.at(&at);
-    let null = null(&g);
-    let weight: Place = from_fn(|j| null[j].abs() * g[j].length());
-    let Some(k) = (0..4).max_by(|&i, &j| weight[i].total_cmp(&weight[j])) else {
+    let at = if pair.holds(near) {
+        *near
+    } else if let Some(at) = pair.on_side(near) {
+        at
+    } else {
         return false;
     };
+    let k = pair.along(&at);
     let Some(start) = pair.knot(at, k) else {
         return false;
     };
