@@ -1,7 +1,9 @@
 //! Independent work on several threads, with results that do not depend on their number.
 
+use rustc_hash::FxHashMap;
 use std::num::NonZero;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 /// As many threads as the machine runs at once.
@@ -20,10 +22,44 @@ pub(crate) fn each<R: Send>(
     work: impl Fn(usize) -> R + Sync,
     enough: impl Fn(&R) -> bool + Sync,
 ) -> Vec<R> {
+    let mut all = Vec::with_capacity(count);
+    in_order(threads, count, work, enough, |result| all.push(result));
+    all
+}
+
+/// The same, but the results are handed to `take`, in order, while others are worked on: by one thread at a time, whichever
+/// has just finished a piece of work.
+pub(crate) fn in_order<R: Send>(
+    threads: usize,
+    count: usize,
+    work: impl Fn(usize) -> R + Sync,
+    enough: impl Fn(&R) -> bool + Sync,
+    take: impl FnMut(R) + Send,
+) {
     let (next, stop) = (AtomicUsize::new(0), AtomicBool::new(false));
-    let share = count.div_ceil(threads.max(1));
-    let take = || {
-        let mut done = Vec::with_capacity(share);
+    // What waits for those before it, and whoever has taken so many.
+    let waiting: Mutex<FxHashMap<usize, R>> = Mutex::default();
+    let taker = Mutex::new((0, take));
+    // Its own results are whole even if another thread has panicked, which ends all.
+    let locked = || waiting.lock().unwrap_or_else(PoisonError::into_inner);
+    let hand_on = || {
+        // Without waiting: who takes at the moment looks again afterwards.
+        while let Ok(mut taker) = taker.try_lock() {
+            let (taken, take) = &mut *taker;
+            loop {
+                let result = locked().remove(taken);
+                let Some(result) = result else { break };
+                take(result);
+                *taken += 1;
+            }
+            let taken = *taken;
+            drop(taker);
+            if !locked().contains_key(&taken) {
+                break;
+            }
+        }
+    };
+    let run = || {
         while !stop.load(Ordering::Relaxed) {
             let i = next.fetch_add(1, Ordering::Relaxed);
             if i >= count {
@@ -33,23 +69,19 @@ pub(crate) fn each<R: Send>(
             if enough(&result) {
                 stop.store(true, Ordering::Relaxed);
             }
-            done.push((i, result));
+            locked().insert(i, result);
+            hand_on();
         }
-        done
     };
-    let mut done = thread::scope(|scope| {
-        let others: Vec<_> = (1..threads.min(count)).map(|_| scope.spawn(take)).collect();
-        let mut done = take();
+    thread::scope(|scope| {
+        let others: Vec<_> = (1..threads.min(count)).map(|_| scope.spawn(run)).collect();
+        run();
         for other in others {
-            match other.join() {
-                Ok(more) => done.extend(more),
-                Err(panic) => std::panic::resume_unwind(panic),
+            if let Err(panic) = other.join() {
+                std::panic::resume_unwind(panic);
             }
         }
-        done
     });
-    done.sort_unstable_by_key(|(i, _)| *i);
-    done.into_iter().map(|(_, result)| result).collect()
 }
 
 #[cfg(test)]
@@ -63,6 +95,20 @@ mod tests {
                 let squares = each(threads, count, |i| i * i, |_| false);
                 assert!(squares.into_iter().eq((0..count).map(|i| i * i)));
             }
+        }
+    }
+
+    #[test]
+    fn results_are_taken_in_order_while_others_are_worked_on() {
+        for threads in [1, 2, 5] {
+            let mut taken = Vec::new();
+            let work = |i: usize| {
+                // The first ones take longest.
+                (0..(100 - i) * 100).fold(i, |a, b| std::hint::black_box(a ^ b));
+                i
+            };
+            in_order(threads, 100, work, |_| false, |i| taken.push(i));
+            assert!(taken.into_iter().eq(0..100));
         }
     }
 

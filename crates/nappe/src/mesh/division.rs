@@ -1,18 +1,22 @@
 //! The best division of a square in one analytic piece into squares of different sizes.
 //!
 //! The bounds for all equal parts of a square cost little together (`parts`). So they are taken for parts of each size, and
-//! from the smallest up four squares are made one where that does not need more triangles. Squares at a side of the block,
-//! which these bounds are not for, are left open.
+//! from the smallest up four squares are made one where that does not need more triangles. Squares in corners of the block,
+//! which these bounds are not for, are left open, and those along its sides where the bounds say much too much.
 
 use super::bisection::{Bisection, DEPTH, Square};
 use super::partners::Bound;
-use super::parts::Parts;
+use super::parts::{Beside, Parts};
 
 /// With so few bisections, looking at the parts of a square saves hardly a triangle.
 pub(super) const SETTLED: u32 = 2;
-/// A square that would get this many times the triangles that its second derivatives ask for is quartered or measured. As
-/// sizes go in powers of two, half as many more than these are common.
+/// A part that would get more than this many times the triangles that its second derivatives ask for is left open, and the
+/// quarters are looked at if that is so for the whole square. As sizes go in powers of two, half as many more are common.
 const ENOUGH_KNOWN: f64 = 2.0;
+/// But a square that needs so many triangles is not: that would cost more than it saves.
+const MANY: f64 = 128.0;
+/// With a larger share of open parts, the quarters of the square are looked at instead.
+const FEW_OPEN: f64 = 0.25;
 
 /// The division of a square.
 pub(super) struct Division {
@@ -83,22 +87,27 @@ impl Division {
         for depth in (0..=depth).rev() {
             let n = 1 << depth;
             let bounds = parts.all(n);
-            let node = |k: usize| {
+            let node = |k: usize, open: bool| {
                 let [bound, best] = &bounds[k];
-                if parts.touch([k / n, k % n], n) {
-                    Node::open(best, tol)
-                } else {
-                    Node::settled(bound, tol, grain * n as f64)
+                let other = Node::open(best, tol);
+                if parts.beside([k / n, k % n], n) == Beside::Corner {
+                    return other;
                 }
+                let other = other.filter(|_| open);
+                let most = other.map_or(f64::INFINITY, |o| ENOUGH_KNOWN * o.triangles);
+                let settled = Node::settled(bound, tol, grain * n as f64);
+                settled.filter(|s| s.triangles <= most).or(other)
             };
             let nodes: Option<Vec<Node>> = match sizes.last() {
-                None => (0..n * n).map(node).collect(),
+                None => (0..n * n).map(|k| node(k, true)).collect(),
                 Some(below) => {
                     let better = |k: usize| {
                         let first = 2 * (k / n * 2 * n + k % n);
                         let quarters = [first, first + 1, first + 2 * n, first + 2 * n + 1];
-                        let quartered = Node::quartered(quarters.map(|k| below[k]));
-                        let whole = node(k).filter(|w| w.triangles <= quartered.triangles);
+                        let quarters = quarters.map(|k| below[k]);
+                        let open = quarters.iter().any(|q| matches!(q.choice, Choice::Open));
+                        let quartered = Node::quartered(quarters);
+                        let whole = node(k, open).filter(|w| w.triangles <= quartered.triangles);
                         // Those left open are to be settled when they are judged; the square itself is being judged.
                         let fits = |w: &Node| match w.choice {
                             Choice::Open => n > 1 && w.triangles <= triangles(SETTLED),
@@ -111,6 +120,10 @@ impl Division {
             };
             let nodes = nodes?;
             if sizes.is_empty() {
+                let open = nodes.iter().filter(|n| matches!(n.choice, Choice::Open));
+                if open.count() as f64 > FEW_OPEN * nodes.len() as f64 {
+                    return None;
+                }
                 // Twice the triangles have half the error.
                 let errors = bounds.iter().map(|[_, best]| best.error[0] / tol);
                 fewest = 2.0 * errors.sum::<f64>();
@@ -119,7 +132,8 @@ impl Division {
         }
         sizes.reverse();
         let found = Self { sizes };
-        (found.triangles() <= ENOUGH_KNOWN * fewest).then_some(found)
+        let enough = fewest >= MANY || found.triangles() <= ENOUGH_KNOWN * fewest;
+        enough.then_some(found)
     }
 
     pub(super) fn triangles(&self) -> f64 {
@@ -252,30 +266,23 @@ mod tests {
     }
 
     #[test]
-    fn squares_along_sides_are_left_open() {
-        for touches in [
-            [[true, false], [false, false]],
-            [[false, true], [true, false]],
-            [[true, true], [true, true]],
+    fn squares_are_left_open_in_corners() {
+        for (touches, corners) in [
+            ([[true, false], [false, false]], 0),
+            ([[false, true], [true, false]], 1),
+            ([[true, true], [true, true]], 4),
         ] {
             let (mut net, mut open) = (net(), Vec::new());
-            divided(touches, 9).refine(&mut net, Square::cell([0, 0]), &mut open);
+            let division = divided(touches, 9);
+            let refined = division.refine(&mut net, Square::cell([0, 0]), &mut open);
+            assert_eq!(refined.triangles > 0.0, division.deviation() > 0.0);
             let last = Square::cell([0, 0]).upper();
-            // Together they are as long as the sides, but for the corners.
-            let mut along = [[0; 2]; 2];
-            for square in &open {
+            assert_eq!(open.len(), corners);
+            for square in open {
                 let (lower, upper) = (square.corner, square.upper());
-                let at = [0, 1].map(|d| [lower[d] == 0, upper[d] == last[d]]);
-                assert!((0..2).any(|d| (0..2).any(|e| at[d][e] && touches[d][e])));
-                for (d, e) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                    if at[d][e] {
-                        along[d][e] += square.size();
-                    }
-                }
-            }
-            for (d, e) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-                if touches[d][e] {
-                    assert_eq!(along[d][e], last[0], "{touches:?}");
+                for d in 0..2 {
+                    let at = [lower[d] == 0, upper[d] == last[d]];
+                    assert!((0..2).any(|e| at[e] && touches[d][e]));
                 }
             }
         }

@@ -283,7 +283,8 @@ impl Layout {
             normal: None,
         };
         let between = **between;
-        let work = || Work::new(demand, between, self.net.of_lines(), pieces, block);
+        let blank = self.net.of_lines();
+        let work = || Work::new(demand, between, blank.of_lines(), pieces, block);
         let mut open: Vec<Square> = region.each().map(Square::cell).collect();
         // The largest squares first, until there are enough for all threads: so that few cells are shared as well.
         let (mut first, mut done) = (work(), 0);
@@ -294,8 +295,10 @@ impl Layout {
         let shares: Vec<_> = open[done..]
             .chunks(open[done..].len().div_ceil(SHARES).max(1))
             .collect();
+        self.join(first.found, demand)?;
         let total = AtomicUsize::new(0);
-        let rest = parallel::each(
+        let (mut complete, mut joined) = (0, Ok(()));
+        parallel::in_order(
             demand.threads,
             shares.len(),
             |k| work().run(shares[k]),
@@ -306,16 +309,15 @@ impl Layout {
                 }
                 Err(_) => true,
             },
+            |found| {
+                complete += 1;
+                if joined.is_ok() {
+                    joined = found.and_then(|found| self.join(found, demand));
+                }
+            },
         );
-        let complete = rest.len() == shares.len();
-        for found in std::iter::once(Ok(first.found)).chain(rest) {
-            let found = found?;
-            self.net.join(&found.net);
-            self.deviation = self.deviation.max(found.deviation);
-            self.proven &= found.proven;
-            demand.allows(self.triangles() as f64)?;
-        }
-        if !complete {
+        joined?;
+        if complete < shares.len() {
             // Work stopped at the limit.
             return Err(MeshError::TooMany {
                 needed: self.triangles() as f64,
@@ -324,6 +326,14 @@ impl Layout {
         }
         self.regions.push(region);
         Ok(())
+    }
+
+    /// Takes in what some squares need.
+    fn join(&mut self, found: Found, demand: &Demand) -> Result<(), MeshError> {
+        self.net.join(&found.net);
+        self.deviation = self.deviation.max(found.deviation);
+        self.proven &= found.proven;
+        demand.allows(self.triangles() as f64)
     }
 
     /// The cells between two lines.
@@ -600,12 +610,7 @@ impl<'a> Work<'a> {
         let slides = |f: &Framed| proven && f.between(self.demand.tol) <= self.between;
         let framed = framed.filter(slides);
         let (framed, local) = (framed.as_ref(), local.as_ref());
-        // At sides, only for a division.
-        let parts = if inside || least >= SETTLED {
-            framed.zip(local).map(|(f, l)| Parts::new(f, place, l))
-        } else {
-            None
-        };
+        let parts = framed.zip(local).map(|(f, l)| Parts::new(f, place, l));
         let parts = parts.as_ref();
         let best = bounds(self.surface, place, jet, parts, proven, framed, tol)
             .iter()

@@ -11,6 +11,7 @@
 //! - *inside*: with a frame whose z is about normal, `N = r_u × r_v` and `J d = e` in x and y there remains `|N·e| / N_z`;
 //! - *at a side* `v = const` of the domain: `d` along u so that `J d = e` in x, which is about along `r_u`. There remain
 //!   y and z of `e - r_u e_x / r_u,x`. Likewise at a side `u = const`;
+//! - *beside a side* of one analytic piece: as inside, but held back where that would leave or leave the side (`parts`);
 //! - *anywhere*: `d = 0`. There remains `|e|`.
 //!
 //! **Theorem.** Let τ be at least what remains with what is added, in all squares, and `p + d` in the domain. Then every
@@ -299,8 +300,8 @@ impl Framed {
 
     /// Partners along the normal; `parts` is what is known about the square itself.
     fn inside(&self, place: &Place, parts: Option<&Parts>) -> Bound {
-        if let Some(parts) = parts {
-            return parts.whole();
+        if let Some(bound) = parts.and_then(Parts::whole) {
+            return bound;
         }
         let Self { sized, normal, .. } = self;
         let least = normal.z.lo();
@@ -336,10 +337,14 @@ pub(super) fn partners<R: Registers>(
     moved: [Lanes<R>; 2],
     room: [Lanes<R>; 2],
 ) -> [[Lanes<R>; 2]; 2] {
-    let away = moved.map(|e| [e * b, e * a]);
+    // No closures: these would not be compiled for the instruction set.
+    let [x, y] = [[moved[0] * b, moved[0] * a], [moved[1] * b, moved[1] * a]];
     [
-        away.map(|away| greatest(norms, away) * 0.5),
-        away.map(|[u, v]| (u / room[0]).max(v / room[1])),
+        [greatest(norms, x) * 0.5, greatest(norms, y) * 0.5],
+        [
+            (x[0] / room[0]).max(x[1] / room[1]),
+            (y[0] / room[0]).max(y[1] / room[1]),
+        ],
     ]
 }
 
@@ -353,7 +358,7 @@ pub(super) fn bounds(
     proven: bool,
     framed: Option<&Framed>,
     tol: f64,
-) -> SmallVec<[Bound; 3]> {
+) -> SmallVec<[Bound; 4]> {
     let mut out = smallvec![plain(place, jet)];
     if !proven {
         return out;
@@ -361,8 +366,14 @@ pub(super) fn bounds(
     if let Some(framed) = framed {
         match [0, 1].map(|d| place.touches(d) != [false; 2]) {
             [false, false] => out.push(framed.inside(place, parts)),
-            [false, true] => out.extend(along(place, jet, 0)),
-            [true, false] => out.extend(along(place, jet, 1)),
+            [false, true] => {
+                out.extend(along(place, jet, 0));
+                out.extend(parts.and_then(Parts::whole));
+            }
+            [true, false] => {
+                out.extend(along(place, jet, 1));
+                out.extend(parts.and_then(Parts::whole));
+            }
             [true, true] => {}
         }
     }

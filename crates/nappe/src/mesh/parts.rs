@@ -4,6 +4,29 @@
 //! a linear change and a rest that falls with the square of the part's size: enclosing the square once serves all parts. The
 //! theorem of `partners` holds with the square: its triangles may be of different sizes, and partners may be chosen with
 //! another frame in each part.
+//!
+//! # Beside a side
+//!
+//! Let the side `v = 0` of the block be a side of the part, which lies at `v ≥ 0`; likewise for the other sides. Let `d*` be
+//! the way to the partner as inside, with `J d* = e` in x and y. Its share across the side is held back to
+//! `d_v = max(-v, min(v, d*_v))`, so partners stay in the domain, and those of points of the side on the side. With
+//! `c = d*_v - d_v` let `d_u = d*_u + c r_u·r_v / |r_u|²`. Then
+//!
+//! `J d - e = (J d* - e) - c (r_v - r_u (r_u·r_v) / |r_u|²)`.
+//!
+//! The first part is `|N·e| / N_z` long and along z. The second has the length `h = |c| |N| / |r_u|` and is orthogonal to N,
+//! so its z is at most `h |N_xy| / |N|`. Here `|c| ≤ |d*_v| = |(r_u × e)_z| / N_z`, and c is not zero only where `v < |d*_v|`:
+//! there e is nearly what it is on the side. Let a be the tangent along the side in the middle of the part, `r_u = a + A`, and
+//! y the direction `z × a / |a|`. Then `|(r_u × e)_z| ≤ |a| |e_y| + |A| |e_xy|`. At the point of the side at the same u,
+//! `|e_y| ≤ ⅛ sup |y·r_uu| q²`, as edges there are q long, and on the way from there, of the length `v < |d*_v|`, it changes
+//! by at most `v sup |∂_v e|`. In a triangle with a side along v, `∂_v L` is a mean of `r_v` over that side. In any other
+//! triangle, also if further vertices divide an edge on the side of the block, it follows from the means of derivatives over
+//! an edge along u and over one that is at most q wide and at least q/2 high:
+//! `|∂_v e| ≤ q (4 |r_uu| + 5 |r_uv| + |r_vv|)`. As `|c r_u·r_v| / |r_u|² ≤ |e_xy| |r_v| / N_z`, which is the bound for `|d*_u|`
+//! as well, partners are at most twice as far away as inside.
+//!
+//! Triangles that have further vertices on a side may have any shape, so the linear part of second derivatives counts there as
+//! what is bounded by Popoviciu's inequality.
 
 use super::bound::ROUND_UP;
 use super::partners::{Bound, Framed, Place, length2, middle, partners, rest};
@@ -76,33 +99,82 @@ impl Parts {
     }
 
     /// The bounds for so many parts along each direction, v fastest, in terms of the parts, each with what could be said at
-    /// best.
+    /// best. Those of parts [`Beside::Corner`] do not hold.
     pub(super) fn all(&self, count: usize) -> Vec<[Bound; 2]> {
-        let mut out = Vec::with_capacity(count * count);
-        InstructionSet::best().run(All {
+        let mut out = self.some::<NOWHERE>(count, count * count, |k| [k / count, k % count]);
+        for (d, upper) in [(0, false), (0, true), (1, false), (1, true)] {
+            if !self.touches[d][usize::from(upper)] {
+                continue;
+            }
+            let at = if upper { count - 1 } else { 0 };
+            let on = if d == 0 {
+                self.some::<1>(count, count, |k| [at, k])
+            } else {
+                self.some::<0>(count, count, |k| [k, at])
+            };
+            for (k, bound) in on.into_iter().enumerate() {
+                out[if d == 0 {
+                    at * count + k
+                } else {
+                    k * count + at
+                }] = bound;
+            }
+        }
+        out
+    }
+
+    /// The bounds for some of so many parts along each direction; see [`Self::bounds`].
+    fn some<const ALONG: usize>(
+        &self,
+        count: usize,
+        number: usize,
+        at: impl Fn(usize) -> [usize; 2],
+    ) -> Vec<[Bound; 2]> {
+        let mut out = Vec::with_capacity(number);
+        InstructionSet::best().run(Chosen::<_, ALONG> {
             parts: self,
             count,
+            number,
+            at,
             out: &mut out,
         });
         out
     }
 
-    /// True if a part of so many lies at a side of the block: its bound does not hold.
-    pub(super) fn touch(&self, at: [usize; 2], count: usize) -> bool {
-        (0..2).any(|d| {
+    /// Where a part of so many lies in the block.
+    pub(super) fn beside(&self, at: [usize; 2], count: usize) -> Beside {
+        let touches = |d: usize| {
             let [lower, upper] = self.touches[d];
-            (lower && at[d] == 0) || (upper && at[d] + 1 == count)
-        })
+            usize::from(lower && at[d] == 0) + usize::from(upper && at[d] + 1 == count)
+        };
+        match [touches(0), touches(1)] {
+            [0, 0] => Beside::Nothing,
+            [0, 1] => Beside::Side(0),
+            [1, 0] => Beside::Side(1),
+            _ => Beside::Corner,
+        }
     }
 
     /// The bound for the square, if it is the only part.
-    pub(super) fn whole(&self) -> Bound {
-        self.bounds([Lanes(Single, 0.0); 2], 1).map(|x| x.1).told()[0]
+    pub(super) fn whole(&self) -> Option<Bound> {
+        let middle = [Lanes(Single, 0.0); 2];
+        let bounds = match self.beside([0; 2], 1) {
+            Beside::Nothing => self.bounds::<_, NOWHERE>(middle, 1),
+            Beside::Side(0) => self.bounds::<_, 0>(middle, 1),
+            Beside::Side(_) => self.bounds::<_, 1>(middle, 1),
+            Beside::Corner => return None,
+        };
+        Some(bounds.map(|x| x.1).told()[0])
     }
 
-    /// Those for parts with their middles there, in shares of the square from its middle.
+    /// Those for parts with their middles there, in shares of the square from its middle: beside a side of the block that
+    /// runs along u (`ALONG` is 0) or v (1), or beside none ([`NOWHERE`]).
     #[inline(always)]
-    fn bounds<R: Registers>(&self, at: [Lanes<R>; 2], count: usize) -> Bounds<Lanes<R>> {
+    fn bounds<R: Registers, const ALONG: usize>(
+        &self,
+        at: [Lanes<R>; 2],
+        count: usize,
+    ) -> Bounds<Lanes<R>> {
         let r = at[0].0;
         let zero = Lanes::splat(r, 0.0);
         let share = 1.0 / count as f64;
@@ -119,18 +191,34 @@ impl Parts {
         // The second derivatives along the normal in the middle, how much they are off anywhere from their linear law, and
         // the sizes of the third.
         let sizes = [z[0].abs(), z[1].abs(), z[2].abs()];
+        let rests = self.rests(half);
         let [mut mid, mut rad] = [[zero; 3]; 2];
         for k in 0..3 {
-            let [p, q, s] = [self.fourth[k], self.fourth[k + 1], self.fourth[k + 2]];
-            let rest = self.second[k] + (p + q + q + s) * (0.5 * half * half * ROUND_UP);
             mid[k] = dot(&z, &second[k]);
-            rad[k] = dot(&sizes, &splat(r, rest.to_array())) + norms[k] * ROUNDING;
+            rad[k] = dot(&sizes, &splat(r, rests[k])) + norms[k] * ROUNDING;
         }
         let mut across = [zero; 4];
         for k in 0..4 {
             across[k] = dot(&z, &third[k]).abs();
         }
-        let third = across;
+        let (vectors, third) = (third, across);
+        // The greatest second derivatives in this part, all and those within the plane across the normal.
+        let mut sized = [zero; 4];
+        for k in 0..4 {
+            sized[k] = dot(&vectors[k], &vectors[k]).sqrt();
+        }
+        let [mut local, mut plane] = [[zero; 3]; 2];
+        for k in 0..3 {
+            let [x, y, w] = second[k];
+            let flat = [x - z[0] * mid[k], y - z[1] * mid[k], w - z[2] * mid[k]];
+            let other = Lanes::splat(r, DVec3::from_array(rests[k]).length() * ROUND_UP)
+                + (sized[k] + sized[k + 1]) * half
+                + norms[k] * ROUNDING;
+            plane[k] = dot(&flat, &flat).sqrt() + other;
+            local[k] = dot(&second[k], &second[k]).sqrt() + other;
+            local[k] = local[k].where_greater(norms[k], [norms[k], local[k]]);
+        }
+        let plane = rest(plane);
         // What is not known about the first derivatives, what they change within half a part, and rounding.
         let mut steep = [zero; 3];
         for k in 0..3 {
@@ -145,7 +233,7 @@ impl Parts {
             // If tangents are nearly parallel, the normal is off by more than a rounding.
             let aside = dot(&z, &first[k]).abs();
             turn[k] = (steep[k] + steep[k + 1]) * half + unknown + aside;
-            change[k] = (norms[k] + norms[k + 1]) * half + unknown;
+            change[k] = (local[k] + local[k + 1]) * half + unknown;
             long[k] = lengths[k] + change[k];
         }
         let lost = lengths[0] * change[1] + lengths[1] * change[0] + change[0] * change[1];
@@ -159,6 +247,7 @@ impl Parts {
         let [mut within, mut moved] = [[zero; 2]; 2];
         for k in 0..2 {
             within[k] = aside * self.across[k] + Lanes::splat(r, self.within[k]);
+            within[k] = within[k].where_greater(plane[k], [plane[k], within[k]]);
             moved[k] = within[k] / least;
         }
         // Sides of the block are no nearer than a part is wide.
@@ -168,24 +257,69 @@ impl Parts {
         // The middles of longest sides are at most half a part away from its middle.
         let skew_u = rest([third[0], third[1], third[2]]);
         let skew_v = rest([third[1], third[2], third[3]]);
-        let (second, cubed) = (share * share, share * share * share);
+        let (squared, cubed) = (share * share, share * share * share);
         let (mut error, mut skew) = ([zero; 2], [[zero; 2]; 2]);
         for k in 0..2 {
-            error[k] = (best[k] + off[k] + tilt * within[k]) * second;
-            best[k] = best[k] * second;
+            error[k] = (best[k] + off[k] + tilt * within[k]) * squared;
+            best[k] = best[k] * squared;
             skew[k] = [skew_u[k] * (0.5 * cubed), skew_v[k] * (0.5 * cubed)];
-            added[k] = added[k] * (second * second);
-            slip[k] = slip[k] * second;
+            added[k] = added[k] * (squared * squared);
+            slip[k] = slip[k] * squared;
         }
         let cubic = (third[0] + third[3]) * CUBE + (third[1] + third[2]) * MIXED;
-        Bounds {
+        let mut bounds = Bounds {
             error,
             best,
             skew,
             cubic: cubic * cubed,
             added,
             slip,
+        };
+        if ALONG == NOWHERE {
+            return bounds;
         }
+        // See above: the second derivative along the side in y, and how `e` changes away from the side.
+        let (run, length) = (&first[ALONG], lengths[ALONG]);
+        let y = cross(&z, run);
+        let y = [y[0] / length, y[1] / length, y[2] / length];
+        let sizes = [y[0].abs(), y[1].abs(), y[2].abs()];
+        let (own, mixed) = [(0, 1), (3, 2)][ALONG];
+        let change_y = dot(&y, &vectors[own]).abs() + dot(&y, &vectors[mixed]).abs();
+        let bent = dot(&y, &second[2 * ALONG]).abs()
+            + dot(&sizes, &splat(r, rests[2 * ALONG]))
+            + norms[2 * ALONG] * ROUNDING
+            + change_y * half;
+        let uneven = (norms[2 * ALONG] * 4.0 + norms[1] * 5.0 + norms[2 - 2 * ALONG]) * share;
+        let shortest = length - change[ALONG];
+        let shortest = shortest.where_greater(zero, [shortest, Lanes::splat(r, f64::NAN)]);
+        let larger = (tilt + Lanes::splat(r, 1.0)) / shortest;
+        for k in 0..2 {
+            let on_side = bent * 0.125 + moved[k] * long[ALONG] * uneven;
+            let held = larger * (length * on_side + change[ALONG] * within[k]);
+            // Triangles may get further vertices on the side, so the linear part is like the rest.
+            let skew = bounds.skew[k][0] + bounds.skew[k][1];
+            let (out, held) = (bounds.error[k] + skew, held * squared);
+            let out = out + tilt * held;
+            let smallest = Lanes::splat(r, f64::MIN_POSITIVE);
+            bounds.error[k] = (out * out + held * held + smallest).sqrt();
+            bounds.skew[k] = [zero; 2];
+            bounds.added[k] = bounds.added[k] * 4.0;
+            bounds.slip[k] = bounds.slip[k] * 2.0;
+        }
+        bounds.cubic = zero;
+        bounds
+    }
+
+    /// How much the second derivatives are off from their linear law within so much of a part's middle.
+    #[inline(always)]
+    fn rests(&self, half: f64) -> [[f64; 3]; 3] {
+        let mut out = [[0.0; 3]; 3];
+        for k in 0..3 {
+            let [p, q, s] = [self.fourth[k], self.fourth[k + 1], self.fourth[k + 2]];
+            let rest = self.second[k] + (p + q + q + s) * (0.5 * half * half * ROUND_UP);
+            out[k] = rest.to_array();
+        }
+        out
     }
 
     /// The derivatives of the polynomial, by Horner's scheme along v and along u.
@@ -234,6 +368,20 @@ struct Derivatives<R: Registers> {
     first: [[Lanes<R>; 3]; 2],
     second: [[Lanes<R>; 3]; 3],
     third: [[Lanes<R>; 3]; 4],
+}
+
+/// No side of the block is beside a part.
+const NOWHERE: usize = 2;
+
+/// What a part lies beside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Beside {
+    /// No side of the block.
+    Nothing,
+    /// One that runs along u (0) or v (1).
+    Side(usize),
+    /// Several sides.
+    Corner,
 }
 
 /// Rounding errors as a share of lengths and second derivatives; those of the polynomial's terms are in [`Local::off`].
@@ -291,28 +439,29 @@ impl Bounds<f64> {
     }
 }
 
-/// The bounds for all parts, a register of them at a time.
-struct All<'a> {
+/// The bounds for some parts, a register of them at a time.
+struct Chosen<'a, At, const ALONG: usize> {
     parts: &'a Parts,
     count: usize,
+    number: usize,
+    at: At,
     out: &'a mut Vec<[Bound; 2]>,
 }
 
-impl Kernel for All<'_> {
+impl<At: Fn(usize) -> [usize; 2], const ALONG: usize> Kernel for Chosen<'_, At, ALONG> {
     #[inline(always)]
     fn run<R: Registers>(self, r: R) {
         let n = self.count;
         let share = 1.0 / n as f64;
-        for first in (0..n * n).step_by(R::LANES) {
+        for first in (0..self.number).step_by(R::LANES) {
             let [mut x, mut y] = [[0.0; Pack::LANES]; 2];
             for lane in 0..R::LANES {
-                let k = first + lane;
-                x[lane] = ((k / n) as f64 + 0.5) * share - 0.5;
-                y[lane] = ((k % n) as f64 + 0.5) * share - 0.5;
+                let [i, j] = (self.at)(first + lane);
+                x[lane] = (i as f64 + 0.5) * share - 0.5;
+                y[lane] = (j as f64 + 0.5) * share - 0.5;
             }
-            let bounds = self
-                .parts
-                .bounds([Lanes::load(r, &x), Lanes::load(r, &y)], n);
+            let at = [Lanes::load(r, &x), Lanes::load(r, &y)];
+            let bounds = self.parts.bounds::<_, ALONG>(at, n);
             let bounds = bounds.map(
                 #[inline(always)]
                 |x| {
@@ -321,7 +470,7 @@ impl Kernel for All<'_> {
                     all
                 },
             );
-            for lane in 0..R::LANES.min(n * n - first) {
+            for lane in 0..R::LANES.min(self.number - first) {
                 self.out.push(bounds.map(|x| x[lane]).told());
             }
         }
@@ -340,6 +489,10 @@ mod tests {
     struct Graph {
         second: [f64; 3],
         third: [f64; 4],
+        /// Second derivatives of x and y: parameters are uneven, and the sides bent within the plane.
+        plane: [[f64; 3]; 2],
+        /// The direction across a side of the surface, and whether it is the upper one of the square.
+        side: Option<(usize, bool)>,
     }
 
     impl Graph {
@@ -347,7 +500,10 @@ mod tests {
             let ([a, b, c], [p, q, r, s]) = (self.second, self.third);
             let quadratic = 0.5 * (a * x * x + 2.0 * b * x * y + c * y * y);
             let cubic = p * x * x * x + 3.0 * (q * x * x * y + r * x * y * y) + s * y * y * y;
-            DVec3::new(x, y, quadratic + cubic / 6.0)
+            let [along_x, along_y] = self
+                .plane
+                .map(|[a, b, c]| 0.5 * (a * x * x + 2.0 * b * x * y + c * y * y));
+            DVec3::new(x + along_x, y + along_y, quadratic + cubic / 6.0)
         }
 
         /// The derivatives over a square around the origin.
@@ -358,14 +514,20 @@ mod tests {
             let slope = |a, b, p, q, r| {
                 a * t + b * t + (p * t * t + n(2.0) * q * t * t + r * t * t) * n(0.5)
             };
-            let boxed = |x: f64, y: f64, z: Interval| Box3::from([n(x), n(y), z]);
+            let boxed = |k: usize, z: Interval| {
+                let [x, y] = self.plane.map(|[a, b, c]| {
+                    [n(a) * t + n(b) * t, n(b) * t + n(c) * t, n(a), n(b), n(c)][k]
+                });
+                let of = |d: usize| n(if k == d { 1.0 } else { 0.0 });
+                Box3::from([of(0) + x, of(1) + y, z])
+            };
             [
-                Box3::from([t, t, Interval::ENTIRE]),
-                boxed(1.0, 0.0, slope(a, b, p, q, r)),
-                boxed(0.0, 1.0, slope(b, c, q, r, s)),
-                boxed(0.0, 0.0, a + p * t + q * t),
-                boxed(0.0, 0.0, b + q * t + r * t),
-                boxed(0.0, 0.0, c + r * t + s * t),
+                Box3::from([Interval::ENTIRE; 3]),
+                boxed(0, slope(a, b, p, q, r)),
+                boxed(1, slope(b, c, q, r, s)),
+                boxed(2, a + p * t + q * t),
+                boxed(3, b + q * t + r * t),
+                boxed(4, c + r * t + s * t),
             ]
         }
 
@@ -376,6 +538,14 @@ mod tests {
             let of = [(2, 0, 0.5 * a), (1, 1, b), (0, 2, 0.5 * c)];
             for (i, j, x) in of {
                 terms[i][j].z = x;
+            }
+            let [[a, b, c], [d, e, f]] = self.plane;
+            for (i, j, x, y) in [
+                (2, 0, 0.5 * a, 0.5 * d),
+                (1, 1, b, e),
+                (0, 2, 0.5 * c, 0.5 * f),
+            ] {
+                (terms[i][j].x, terms[i][j].y) = (x, y);
             }
             let of = [
                 (3, 0, p / 6.0),
@@ -396,17 +566,35 @@ mod tests {
         /// The distance of a point, near which the surface is over a place.
         fn distance(&self, p: DVec3, mut at: [f64; 2]) -> f64 {
             const H: f64 = 1e-5;
-            for _ in 0..4 {
+            for _ in 0..8 {
                 let off = p - self.point(at);
-                let slope = |x: f64, y: f64| {
+                let slope = |at: &[f64; 2], x: f64, y: f64| {
                     let [a, b] = [1.0, -1.0].map(|s| self.point([at[0] + s * x, at[1] + s * y]));
                     (a - b) / (2.0 * H)
                 };
-                let (a, b) = (slope(H, 0.0), slope(0.0, H));
+                let (a, b) = (slope(&at, H, 0.0), slope(&at, 0.0, H));
                 let n = a.cross(b);
                 let area = n.length_squared();
                 at[0] += off.cross(b).dot(n) / area;
                 at[1] += a.cross(off).dot(n) / area;
+                let Some((d, upper)) = self.side else {
+                    continue;
+                };
+                let end = if upper { 0.5 } else { -0.5 };
+                if at[d] < end && upper || at[d] > end && !upper {
+                    continue;
+                }
+                // Along the side.
+                at[d] = end;
+                for _ in 0..8 {
+                    let off = p - self.point(at);
+                    let along = if d == 0 {
+                        slope(&at, 0.0, H)
+                    } else {
+                        slope(&at, H, 0.0)
+                    };
+                    at[1 - d] += off.dot(along) / along.length_squared();
+                }
             }
             p.distance(self.point(at))
         }
@@ -461,7 +649,12 @@ mod tests {
             if round % 3 == 0 {
                 third = std::array::from_fn(|k| if k == round % 4 { third[k] } else { 0.0 });
             }
-            let graph = Graph { second, third };
+            let graph = Graph {
+                second,
+                third,
+                plane: [[0.0; 3]; 2],
+                side: None,
+            };
             let framed = Framed::new(&place, &graph.jet(0.5625)).expect("the normal stays up");
             for depth in 0..3 {
                 let parts = Parts::new(&framed, &place, &graph.local());
@@ -492,6 +685,64 @@ mod tests {
         }
         assert!(
             3 * tight > known,
+            "{tight} of {known} bounds are nearly reached"
+        );
+    }
+
+    #[test]
+    fn bounds_of_parts_hold_beside_sides() {
+        let mut random = Random(31);
+        let (mut tight, mut known) = (0, 0);
+        for round in 0..120 {
+            let side = (round % 2, round / 2 % 2 == 1);
+            let mut number = |size: f64| size * (2.0 * random.unit() - 1.0);
+            let bent = [0.0, 0.02, 0.1][round / 4 % 3];
+            let steep = [1e-3, 0.1][round / 12 % 2];
+            let graph = Graph {
+                second: [0; 3].map(|_| number(steep)),
+                third: [0; 4].map(|_| number(0.5 * steep)),
+                plane: [[0; 3]; 2].map(|all| all.map(|_| number(bent))),
+                side: Some(side),
+            };
+            let (d, upper) = side;
+            let unit = Interval::new(-0.5, 0.5);
+            let mut block = [Interval::new(-9.0, 9.0); 2];
+            if upper {
+                block[d].hi = 0.5;
+            } else {
+                block[d].lo = -0.5;
+            }
+            let place = Place {
+                uv: [unit; 2],
+                block,
+                least: [1.0; 2],
+            };
+            let framed = Framed::new(&place, &graph.jet(0.5625)).expect("the normal stays up");
+            let parts = Parts::new(&framed, &place, &graph.local());
+            for depth in 0..3 {
+                let n = 1 << depth;
+                for (k, [bound, best]) in parts.all(n).into_iter().enumerate() {
+                    let at = [k / n, k % n];
+                    if parts.beside(at, n) != Beside::Side(1 - d) {
+                        continue;
+                    }
+                    let size = CELL >> depth;
+                    let corner = at.map(|i| i as u64 * size);
+                    for level in 0..4 {
+                        let Some(told) = bound.deviation(level, 0.0, f64::INFINITY) else {
+                            continue;
+                        };
+                        let worst = bisected(&graph, depth, Square { corner, depth }, level);
+                        assert!(worst <= told, "{round} {level}: {worst} > {told}");
+                        assert!(best.deviation(level, 0.0, f64::INFINITY).unwrap() <= told);
+                        tight += usize::from(worst > 0.6 * told);
+                        known += 1;
+                    }
+                }
+            }
+        }
+        assert!(
+            known > 2000 && 4 * tight > known,
             "{tight} of {known} bounds are nearly reached"
         );
     }

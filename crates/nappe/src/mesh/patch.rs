@@ -18,18 +18,16 @@ use crate::parallel;
 use crate::surface::{Side, Surface, jet_len, normal_at, normal_from};
 use glam::DVec3;
 use std::collections::HashMap;
-use std::sync::{Mutex, PoisonError};
+use std::mem::take;
 
 /// Shares of the way to the middle of a triangle at which a normal is looked for where not even a limit exists.
 const INWARD: [f64; 4] = [1e-6, 1e-4, 1e-2, 0.5];
 /// From so many vertices on, the preparations of a list are worth while, and so are threads.
 const LIST: usize = 4096;
 /// The vertices that are evaluated at once: their derivatives stay in the caches.
-const AT_ONCE: usize = 4096;
+const AT_ONCE: usize = 1024;
 /// About the triangles that a thread hands out at once, if cells have not more.
 const SHARE: usize = 2048;
-/// The shares of cells that wait to be made triangles.
-const SHARES: usize = 64;
 
 /// A line of constant parameter that is one point.
 pub(super) struct Collapsed {
@@ -201,34 +199,27 @@ impl Builder<'_> {
 
     /// Makes the vertices of the patch, and points of its own, at places inside of blocks.
     fn plain(&mut self, places: &[Place], few: bool) -> Result<(), MeshError> {
-        const NONE: MeshVertex = MeshVertex {
-            point: 0,
-            uv: [0.0; 2],
-            normal: DVec3::ZERO,
-        };
-        let mut vertices = vec![NONE; places.len()];
-        let mut own = vec![DVec3::ZERO; places.len()];
+        let mut vertices = Vec::with_capacity(places.len());
+        let mut own = Vec::with_capacity(places.len());
         let first = self.shared.len();
-        let parts = places.chunks(AT_ONCE).zip(vertices.chunks_mut(AT_ONCE));
-        let parts = parts.zip(own.chunks_mut(AT_ONCE)).enumerate();
-        let (count, parts) = (parts.len(), Mutex::new(parts));
-        let fill = |_| {
-            // A panic elsewhere reaches the caller; the list of parts is still whole.
-            let next = parts.lock().unwrap_or_else(PoisonError::into_inner).next();
-            let (k, ((places, vertices), own)) = next?;
-            let of = self.sites(places, few).zip(vertices).zip(own);
-            for (point, ((site, vertex), own)) in (first + k * AT_ONCE..).zip(of) {
-                *vertex = MeshVertex {
+        let parts: Vec<_> = places.chunks(AT_ONCE).collect();
+        let threads = if few { 1 } else { self.threads };
+        // Memory is touched for the first time while others evaluate.
+        parallel::in_order(
+            threads,
+            parts.len(),
+            |k| self.sites(parts[k], few).collect::<Vec<Site>>(),
+            |_| false,
+            |sites| {
+                own.extend(sites.iter().map(|s| s.place));
+                let numbered = sites.into_iter().zip(first + vertices.len()..);
+                vertices.extend(numbered.map(|(site, point)| MeshVertex {
                     point: point as u32,
                     uv: site.uv,
                     normal: site.normal,
-                };
-                *own = site.place;
-            }
-            Some(())
-        };
-        let threads = if few { 1 } else { self.threads };
-        parallel::each(threads, count, fill, |_| false);
+                }));
+            },
+        );
         if let Some(k) = own.iter().position(|p| !p.is_finite()) {
             return Err(self.not_finite(vertices[k].uv));
         }
@@ -319,17 +310,24 @@ impl Builder<'_> {
         let threads = if count < LIST { 1 } else { self.threads };
         let each = 2 * count / cells.len().max(1);
         let share = (SHARE / each.max(1)).max(1);
-        // So many at a time that what they wait in stays small, but for cells of very many triangles.
-        for cells in cells.chunks(share * SHARES) {
-            let shares: Vec<_> = cells.chunks(share).collect();
-            let of = |k: usize| self.cells(shares[k], work);
-            for share in parallel::each(threads, shares.len(), of, |_| false) {
-                self.turned_over |= share.turned_over;
-                self.patch.triangles.extend(share.plain);
-                for t in share.special {
-                    self.special(t, work)?;
-                }
-            }
+        let shares: Vec<_> = cells.chunks(share).collect();
+        let mut triangles = take(&mut self.patch.triangles);
+        let (mut turned_over, mut special) = (false, Vec::new());
+        parallel::in_order(
+            threads,
+            shares.len(),
+            |k| self.cells(shares[k], work),
+            |_| false,
+            |share| {
+                turned_over |= share.turned_over;
+                triangles.extend(share.plain);
+                special.extend(share.special);
+            },
+        );
+        self.turned_over |= turned_over;
+        self.patch.triangles = triangles;
+        for t in special {
+            self.special(t, work)?;
         }
         Ok(())
     }
