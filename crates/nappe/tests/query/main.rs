@@ -4,6 +4,7 @@
 
 mod all;
 mod curves;
+mod million;
 mod nearest;
 mod side;
 
