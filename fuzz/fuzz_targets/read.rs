@@ -6,7 +6,9 @@ use libfuzzer_sys::fuzz_target;
 use nappe_exchange::read::{Read, read_bytes};
 use nappe_exchange::{ItemForm, mesh_facts};
 
-const ENDINGS: [&str; 7] = ["igs", "stl", "obj", "ply", "glb", "gltf", "3mf"];
+const ENDINGS: [&str; 12] = [
+    "igs", "stl", "obj", "ply", "glb", "gltf", "3mf", "xml", "bpt", "brep", "dat", "cpt",
+];
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((choice, bytes)) = bytes.split_first() else {

@@ -1,5 +1,5 @@
-//! Any bytes are either a STEP file or an error with its place; never a panic, a hang or memory out of proportion. What was
-//! read can be written.
+//! Any bytes are either a STEP file or an error with its place; never a panic, a hang or memory out of proportion. What
+//! was read can be looked at.
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;

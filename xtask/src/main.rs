@@ -15,7 +15,7 @@ cargo xtask <task>
   ci               what CI runs: formatting, lints, documentation, then `test`
   bench [ARGS]     speed beside the limit of memory and other libraries; `--json FILE`, `--page` (docs/performance.md)
   gallery          draw docs/gallery/*.png and docs/gallery.md from examples/
-  docs             write docs/model-file.md from the list of kinds and keys
+  docs             write docs/model-file.md from the list of kinds and keys, and the table of docs/exchange.md
   fuzz [MINUTES]   feed random models and files of other systems to the readers (installs cargo-fuzz on first use; default 2 minutes each)
 ";
 
@@ -113,15 +113,13 @@ fn bench(rest: &[String]) -> Outcome {
 
 /// The test that checks the page writes it when told to.
 fn docs() -> Outcome {
-    run(cargo(&[
-        "test",
-        "--package",
-        "nappe-model",
-        "--test",
-        "reference",
-        "--quiet",
-    ])
-    .env("NAPPE_WRITE_DOCS", "1"))
+    for (package, test) in [("nappe-model", "reference"), ("nappe-exchange", "public")] {
+        run(
+            cargo(&["test", "--package", package, "--test", test, "--quiet"])
+                .env("NAPPE_WRITE_DOCS", "1"),
+        )?;
+    }
+    Ok(())
 }
 
 /// Coverage-guided fuzzing needs two unstable compiler flags; the stable compiler takes them when told to.

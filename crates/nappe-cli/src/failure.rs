@@ -15,7 +15,7 @@ pub(crate) enum Failure {
     Problems(Vec<Box<dyn Diagnostic + Send + Sync>>),
     /// The command line is wrong in a way that the parser could not see.
     Usage(clap::Error),
-    /// A check failed, and that was already put out.
+    /// A check failed, or something is not decided, and that was already put out.
     Verdict,
     /// Standard output refused bytes.
     Output(io::Error),

@@ -6,6 +6,7 @@ mod commands;
 mod eval;
 mod failure;
 mod fault;
+mod imports;
 mod model;
 mod output;
 mod project;

@@ -1,12 +1,14 @@
 //! The model that a command works on.
 
 use crate::failure::{Failure, Problem};
+use crate::imports::Files;
 use crate::screen::Screen;
 use nappe::curve::CurveRef;
 use nappe::expr::nearest;
 use nappe::surface::SurfaceRef;
 use nappe_model::{Model, NamedSurface, Overrides};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A model file and values for its parameters.
 #[derive(Debug, clap::Args)]
@@ -32,14 +34,26 @@ impl ModelArgs {
         &self.model
     }
 
-    /// Reads and builds the model, and shows what should be known about it.
-    pub(crate) fn open(&self, screen: &Screen) -> Result<Model, Failure> {
+    /// Whether values are set on the command line.
+    pub(crate) fn sets_parameters(&self) -> bool {
+        !self.set.is_empty()
+    }
+
+    /// The values set on the command line.
+    pub(crate) fn overrides(&self) -> Result<Overrides, Failure> {
         let mut overrides = Overrides::default();
         for text in &self.set {
             overrides.set_from(text).map_err(Failure::usage)?;
         }
-        let model =
-            nappe_model::load(&self.model, &overrides).map_err(|d| Failure::Model(Box::new(d)))?;
+        Ok(overrides)
+    }
+
+    /// Reads and builds the model, and shows what should be known about it.
+    pub(crate) fn open(&self, screen: &Screen) -> Result<Model, Failure> {
+        let overrides = self.overrides()?;
+        let files = Arc::new(Files::beside(&self.model));
+        let model = nappe_model::load_with(&self.model, &overrides, files)
+            .map_err(|d| Failure::Model(Box::new(d)))?;
         if !model.warnings.list.is_empty() {
             screen.warn(&model.warnings);
         }

@@ -68,3 +68,17 @@ pub struct LeftOut {
     /// The first of them, as the file numbers it: `#123`, `D45`.
     pub first: String,
 }
+
+/// Counts a thing that a reader leaves out, together with those of its kind that it leaves out for the same reason.
+pub(crate) fn note(list: &mut Vec<LeftOut>, what: String, why: String, first: String) {
+    if let Some(l) = list.iter_mut().find(|l| l.what == what && l.why == why) {
+        l.count += 1;
+        return;
+    }
+    list.push(LeftOut {
+        what,
+        why,
+        count: 1,
+        first,
+    });
+}

@@ -23,5 +23,6 @@ mod tests;
 mod trimmed;
 mod write;
 
+pub(crate) use curves::placed;
 pub(crate) use document::read;
 pub use write::{IgesOptions, IgesReport, write};

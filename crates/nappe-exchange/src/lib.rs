@@ -25,8 +25,10 @@ mod error;
 mod facets;
 mod format;
 mod gltf;
+mod hollow;
 pub mod iges;
 mod json;
+mod meshing;
 mod obj;
 mod ply;
 pub mod read;
@@ -44,17 +46,22 @@ mod text;
 mod threemf;
 mod triangles;
 mod vtu;
+mod whole;
 mod write;
 
 pub use atomic::{check_target, write_atomically};
 pub use document::{Document, FaceStyle, Item, ItemForm, LeftOut};
 pub use error::{ExchangeError, PictureError, SceneError};
 pub use format::Format;
+pub use meshing::{
+    DocumentMesh, Missing, face_name, face_place, item_name, item_place, mesh_document,
+};
 pub use nappe::Units;
 pub use read::{Read, ReadError, read};
 pub use report::{Progress, WriteOptions, WriteReport};
 pub use scene::{Colour, Exact, ExactForm, Field, PALETTE, Part, Polyline, Scene};
 pub use triangles::{Group, MeshFacts, TriangleMesh, mesh_facts};
+pub use whole::is_whole;
 pub use write::write;
 
 pub(crate) use write::Output;

@@ -3,15 +3,23 @@
 //! [`read()`] takes a file by its ending and says what it holds: triangles, or exact shapes. Whatever is in the file, reading ends with a
 //! result or with a [`ReadError`] that says where; memory stays in proportion to the file's size.
 
+mod bpt;
+mod brep;
+#[cfg(test)]
+mod exact_tests;
+mod gismo;
 mod gltf;
 mod obj;
 mod ply;
 mod polygon;
+mod sheet;
 mod stl;
+mod table;
 #[cfg(test)]
 mod tests;
 mod threemf;
 mod weld;
+mod words;
 
 use crate::document::Document;
 use crate::iges;
@@ -120,7 +128,7 @@ impl Fault {
 type ReadBytes = fn(&[u8], &Path) -> Result<Read, Fault>;
 
 /// The endings that can be read, and what reads them.
-const READERS: [(&str, ReadBytes); 10] = [
+const READERS: [(&str, ReadBytes); 15] = [
     ("igs", |b, _| iges::read(b).map(Read::Document)),
     ("iges", |b, _| iges::read(b).map(Read::Document)),
     ("stl", |b, _| stl::read(b).map(Read::Mesh)),
@@ -131,6 +139,11 @@ const READERS: [(&str, ReadBytes); 10] = [
     ("3mf", |b, _| threemf::read(b).map(Read::Mesh)),
     ("step", |b, _| step(b)),
     ("stp", |b, _| step(b)),
+    ("brep", |b, _| brep::read(b).map(Read::Document)),
+    ("xml", |b, _| gismo::read(b).map(Read::Document)),
+    ("bpt", |b, _| bpt::read(b).map(Read::Document)),
+    ("dat", |b, _| table::read(b).map(Read::Document)),
+    ("cpt", |b, _| table::control_points(b).map(Read::Document)),
 ];
 
 fn step(bytes: &[u8]) -> Result<Read, Fault> {
@@ -211,4 +224,10 @@ fn shown(text: &str) -> String {
         s.push('…');
     }
     crate::text::line(&s)
+}
+
+/// A net listed with the first parameter running fastest, as the kernel has it: the second one runs fastest.
+fn net<T: Copy>(listed: &[T], [rows, columns]: [usize; 2]) -> Vec<T> {
+    let at = |k: usize| listed[k % columns * rows + k / columns];
+    (0..rows * columns).map(at).collect()
 }

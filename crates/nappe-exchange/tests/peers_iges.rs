@@ -1,5 +1,7 @@
 //! Another kernel reads the IGES files that are written here, where it is installed.
 
+#![allow(clippy::unwrap_used)]
+
 use nappe::body::sew;
 use nappe::surface::{Quadric, QuadricOptions, QuadricShape, Torus, TorusOptions, bilinear};
 use nappe::{DVec3, SurfaceRef};

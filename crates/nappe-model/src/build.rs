@@ -3,6 +3,7 @@
 use crate::MAX_REFERENCE_DEPTH;
 use crate::data::{CurveSource, Fields, Item, Object, SideName};
 use crate::diagnostics::{Diagnostic, Diagnostics};
+use crate::import::Imports;
 use crate::model::Join;
 use crate::value::Span;
 use nappe::curve::{Curve, CurveRef, Isocurve};
@@ -97,6 +98,7 @@ impl<T: Clone> Shelf<T> {
 #[derive(Debug)]
 pub(crate) struct Builder<'a> {
     pub(crate) diags: &'a mut Diagnostics,
+    pub(crate) imports: Imports,
     curves: Shelf<CurveRef>,
     surfaces: Shelf<Arc<Vec<Patch>>>,
     /// The objects being built, outermost first.
@@ -107,10 +109,12 @@ impl<'a> Builder<'a> {
     pub(crate) fn new(
         curves: Vec<(String, Option<Object>)>,
         surfaces: Vec<(String, Option<Object>)>,
+        imports: Imports,
         diags: &'a mut Diagnostics,
     ) -> Self {
         Self {
             diags,
+            imports,
             curves: Shelf::new(curves),
             surfaces: Shelf::new(surfaces),
             path: Vec::new(),

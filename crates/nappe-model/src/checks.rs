@@ -62,6 +62,8 @@ pub struct Check {
     pub continuity: Continuity,
     /// How far it may be missed.
     pub tolerance: CheckTolerance,
+    /// Whether it is about what both sides have in common, however short: else one must lie on the other from end to end.
+    pub in_part: bool,
     /// Where in the file it stands.
     pub place: Range<usize>,
 }
@@ -74,6 +76,7 @@ pub(crate) struct Written {
     between: [(SideName, Span); 2],
     continuity: Continuity,
     tolerance: CheckTolerance,
+    in_part: bool,
 }
 
 /// Reads the list of checks.
@@ -135,6 +138,7 @@ fn one(decoder: &mut Decoder<'_>, index: usize, node: &Node) -> Option<Written> 
         between,
         continuity,
         tolerance,
+        in_part: f.flag("in_part"),
     })
 }
 
@@ -209,6 +213,7 @@ pub(crate) fn resolve(builder: &mut Builder<'_>, w: &Written) -> Option<Check> {
         between: [a?, b?],
         continuity: w.continuity,
         tolerance: w.tolerance,
+        in_part: w.in_part,
         place: w.span.clone(),
     })
 }

@@ -166,6 +166,7 @@ impl Builder<'_> {
                 let map = self.map(o)?;
                 self.curve_result(o, Transformed::new(curve, map))
             }
+            "import" => self.imported_curve(o),
             other => Err(self.refuse(
                 o,
                 ("", &[]),

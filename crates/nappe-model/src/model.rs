@@ -2,11 +2,13 @@
 
 use crate::checks::Check;
 use crate::diagnostics::{Diagnostic, Diagnostics, Label};
+use crate::import::Importer;
 use crate::params::Parameter;
 use nappe::curve::CurveRef;
 use nappe::surface::SurfaceRef;
 use nappe::{DVec3, Units};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// A curve of a model.
 #[derive(Clone, Debug)]
@@ -77,6 +79,8 @@ pub struct Model {
     pub checks: Vec<Check>,
     /// What should be known about it; no errors.
     pub warnings: Diagnostics,
+    /// What read its files, for when it is built again.
+    pub(crate) importer: Option<Arc<dyn Importer>>,
 }
 
 impl Model {

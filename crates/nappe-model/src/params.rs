@@ -126,6 +126,9 @@ impl Scope {
         let e = parse(text, from, node, subject, diags)?;
         let changing = self.changing();
         let names: Vec<&str> = changing.iter().map(|c| c.0).collect();
+        if e.names().all(|(name, _)| !names.contains(&name)) {
+            return Ok(0.0);
+        }
         let bound = self.bind(&e, from, &names, node, subject, diags)?;
         let at: Vec<[f64; 2]> = changing.iter().map(|c| c.1).collect();
         match bound.slope(&at) {

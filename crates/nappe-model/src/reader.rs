@@ -5,6 +5,7 @@ use crate::checks;
 use crate::data::{Datum, Object};
 use crate::decode::Decoder;
 use crate::diagnostics::{Diagnostic, Diagnostics};
+use crate::import::{Importer, Imports};
 use crate::model::{Model, NamedCurve, NamedSurface};
 use crate::params::{self, Scope, Subject};
 use crate::registry::{CURVES, Kind, SURFACES, TOP};
@@ -50,8 +51,25 @@ impl Overrides {
     }
 }
 
-/// Reads and builds a file.
+/// Reads and builds a file. Objects of the kind `import` are refused: see [`load_with`].
 pub fn load(path: &Path, overrides: &Overrides) -> Result<Model, Diagnostics> {
+    load_file(path, overrides, None)
+}
+
+/// [`load`], with something that reads the files of objects of the kind `import`.
+pub fn load_with(
+    path: &Path,
+    overrides: &Overrides,
+    importer: Arc<dyn Importer>,
+) -> Result<Model, Diagnostics> {
+    load_file(path, overrides, Some(importer))
+}
+
+fn load_file(
+    path: &Path,
+    overrides: &Overrides,
+    importer: Option<Arc<dyn Importer>>,
+) -> Result<Model, Diagnostics> {
     let name = path.display().to_string();
     let refuse = |message: String, help: &str| {
         let mut d = Diagnostics::new(&name, "");
@@ -80,7 +98,7 @@ pub fn load(path: &Path, overrides: &Overrides) -> Result<Model, Diagnostics> {
             "check the path and its permissions",
         ),
         Ok(bytes) => match String::from_utf8(bytes) {
-            Ok(text) => parse(&text, &name, overrides),
+            Ok(text) => parse_text(&text, &name, overrides, importer),
             Err(e) => {
                 let at = e.utf8_error().valid_up_to();
                 let mut bytes = e.into_bytes();
@@ -102,7 +120,27 @@ fn too_large(len: u64) -> String {
 }
 
 /// Reads and builds a text; `name` is what messages call the file. Does no input or output and never panics.
+/// Objects of the kind `import` are refused: see [`parse_with`].
 pub fn parse(text: &str, name: &str, overrides: &Overrides) -> Result<Model, Diagnostics> {
+    parse_text(text, name, overrides, None)
+}
+
+/// [`parse`], with something that reads the files of objects of the kind `import`.
+pub fn parse_with(
+    text: &str,
+    name: &str,
+    overrides: &Overrides,
+    importer: Arc<dyn Importer>,
+) -> Result<Model, Diagnostics> {
+    parse_text(text, name, overrides, Some(importer))
+}
+
+fn parse_text(
+    text: &str,
+    name: &str,
+    overrides: &Overrides,
+    importer: Option<Arc<dyn Importer>>,
+) -> Result<Model, Diagnostics> {
     let mut diags = Diagnostics::new(name, text);
     if text.len() > MAX_FILE {
         diags.push(Diagnostic::new("file", too_large(text.len() as u64)).help("split the model"));
@@ -121,7 +159,14 @@ pub fn parse(text: &str, name: &str, overrides: &Overrides) -> Result<Model, Dia
         );
     }
     let top = value::table(text, tree.into_inner());
-    let model = read(top, name, overrides, &mut diags, !faults.is_empty());
+    let model = read(
+        top,
+        name,
+        overrides,
+        importer,
+        &mut diags,
+        !faults.is_empty(),
+    );
     diags.sort();
     match model {
         Some(mut model) if !diags.has_errors() => {
@@ -138,6 +183,7 @@ fn read(
     mut top: Table,
     name: &str,
     overrides: &Overrides,
+    importer: Option<Arc<dyn Importer>>,
     diags: &mut Diagnostics,
     damaged: bool,
 ) -> Option<Model> {
@@ -174,7 +220,11 @@ fn read(
         // Objects may be incomplete: building them would report what is not wrong.
         return None;
     }
-    let mut builder = Builder::new(curves, surfaces, diags);
+    let imports = Imports {
+        importer: importer.clone(),
+        units: header.units,
+    };
+    let mut builder = Builder::new(curves, surfaces, imports, diags);
     builder.all();
     let checks = written
         .iter()
@@ -223,12 +273,14 @@ fn read(
         joins: builder.joins(),
         checks,
         warnings: Diagnostics::new(name, ""),
+        importer,
     })
 }
 
 /// Reads a text that has been read without error, and gives its builder and the rates of all numbers by a parameter.
 pub(crate) fn with_rates(
     overrides: &Overrides,
+    imports: Imports,
     parameter: &str,
     diags: &mut Diagnostics,
     work: impl FnOnce(&mut Builder<'_>, Rates),
@@ -261,7 +313,7 @@ pub(crate) fn with_rates(
         return;
     }
     let (curves, surfaces) = read(&scope, diags, &mut |key| top.take(key));
-    let mut builder = Builder::new(curves, surfaces, diags);
+    let mut builder = Builder::new(curves, surfaces, imports, diags);
     builder.all();
     work(&mut builder, rates);
 }

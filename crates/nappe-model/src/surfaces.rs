@@ -65,6 +65,7 @@ impl Builder<'_> {
             }
             "transform" => self.transform(o),
             "join" => self.join(o),
+            "import" => self.imported_surface(o),
             other => Err(self.refuse(
                 o,
                 ("", &[]),

@@ -32,7 +32,7 @@ impl Builder<'_> {
             Ok(found) => found,
             Err(e) => return Err(self.trace_error(o, &e)),
         };
-        self.left_open(
+        self.not_decided(
             o,
             &found.undecided,
             "move the curve a little to avoid such places",
@@ -57,7 +57,7 @@ impl Builder<'_> {
                 return Err(self.refuse(o, ("tolerance", &[]), e, "write a number greater than 0"));
             }
         };
-        self.left_open(
+        self.not_decided(
             o,
             &found.undecided,
             "move a surface a little to avoid such places",
@@ -71,7 +71,7 @@ impl Builder<'_> {
     }
 
     /// Warns of places that are not decided.
-    fn left_open<T: Display>(&mut self, o: &Object, places: &[T], remedy: &str) {
+    fn not_decided<T: Display>(&mut self, o: &Object, places: &[T], remedy: &str) {
         let mut warn = |message: String, help: String| {
             self.diags.push(
                 Diagnostic::new("not-proven", message)

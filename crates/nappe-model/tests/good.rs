@@ -1,7 +1,10 @@
 //! Every kind of curve and surface, read from text and compared with closed forms.
 
+mod imports;
+
 use nappe::DVec3;
 use nappe_model::{Model, Overrides, registry};
+use std::sync::Arc;
 
 /// Curves and surfaces that others refer to.
 const SHARED: &str = r#"
@@ -29,7 +32,8 @@ construction_only = true
 
 fn read(text: &str) -> Model {
     let all = format!("{SHARED}\n{text}");
-    nappe_model::parse(&all, "test.nappe.toml", &Overrides::default())
+    let files = Arc::new(imports::Files);
+    nappe_model::parse_with(&all, "test.nappe.toml", &Overrides::default(), files)
         .unwrap_or_else(|d| panic!("{d}\nin\n{text}"))
 }
 
@@ -186,6 +190,12 @@ const CURVES: &[CurveRow] = &[
         &[(0.25, [1.5, 1.5, 0.0]), (1.0, [1.5, 0.0, 0.0])],
     ),
     (
+        // Along the cross product of the normals.
+        "intersection",
+        "surfaces = ['flat', 'cut']\n[surfaces.cut]\nkind = 'bilinear'\ncorners = [[[1.5, -1, -1], [1.5, -1, 1]], [[1.5, 3, -1], [1.5, 3, 1]]]",
+        &[(0.0, [1.5, 0.0, 0.0]), (1.0, [1.5, 2.0, 0.0])],
+    ),
+    (
         "silhouette",
         "surface = 'ring'\ndirection = 'z'\nbranch = 1\n[surfaces.ring]\nkind = 'torus'\nmajor = 3\nminor = 1",
         &[(0.0, [4.0, 0.0, 0.0]), (0.5, [-4.0, 0.0, 0.0])],
@@ -236,6 +246,17 @@ const CURVES: &[CurveRow] = &[
         "transform",
         "curve = 'floor_line'\nmirror = { origin = [0, 0, 1], normal = [0, 0, 2] }\nscale = [1, 1, 3]",
         &[(0.0, [1.0, 0.0, 6.0])],
+    ),
+    (
+        "import",
+        // In centimetres, and the model in millimetres.
+        "file = 'rods.cm'\ncurve = 2",
+        &[(0.0, [0.0, 0.0, 0.0]), (1.0, [0.0, 30.0, 0.0])],
+    ),
+    (
+        "import",
+        "file = 'rods.mm'\ncurve = 'short'",
+        &[(1.0, [2.0, 0.0, 0.0])],
     ),
 ];
 
@@ -456,6 +477,20 @@ const SURFACES: &[SurfaceRow] = &[
         &[([0.0, 0.75], [2.25, 0.5, 1.5])],
     ),
     ("join", "surfaces = ['flat']", &[]),
+    (
+        "import",
+        "file = 'plates.cm'\nface = 'whole'",
+        &[
+            ([1.0, 0.0], [10.0, 0.0, 0.0]),
+            ([0.0, 1.0], [0.0, 20.0, 0.0]),
+        ],
+    ),
+    (
+        "import",
+        // Its normal is the opposite of its surface's: u and v are exchanged.
+        "file = 'plates.mm'\nface = 2\nuntrimmed = true",
+        &[([1.0, 0.0], [0.0, 2.0, 0.0]), ([0.0, 1.0], [1.0, 0.0, 0.0])],
+    ),
 ];
 
 #[test]

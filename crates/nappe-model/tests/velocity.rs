@@ -1,9 +1,12 @@
 //! Velocities of a model's objects: against differences of models that are built anew, and what is refused.
 
+#![allow(clippy::unwrap_used)]
+
 use nappe::laws::Random;
-use nappe::{Breaks, DVec3};
+use nappe::surface::Dir;
+use nappe::{Break, Breaks, DVec3};
 use nappe_model::{Model, Overrides, Velocities, Velocity, load, parse, velocities};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Relative step of the differences, and the share of the objects' size by which they may differ from the velocity times
 /// the parameter's size: with Richardson's rule the error of differences is h⁴ and 1e-16/h.
@@ -18,6 +21,15 @@ fn at(build: Build, name: &str, value: f64) -> Option<Model> {
     let mut o = Overrides::default();
     o.set(name, &format!("{value:?}"));
     build(&o)
+}
+
+/// The parameter with the same share of the way between two breaks, of two curves that have equally many.
+fn carried(t: f64, [from, to]: [&[Break]; 2]) -> f64 {
+    assert_eq!(from.len(), to.len());
+    let k = (1..from.len() - 1).find(|&k| t < from[k].at);
+    let k = k.unwrap_or(from.len() - 1);
+    let share = (t - from[k - 1].at) / (from[k].at - from[k - 1].at);
+    to[k - 1].at + share * (to[k].at - to[k - 1].at)
 }
 
 /// Compares all velocities with differences; gives the numbers of moving, still and unknown objects.
@@ -63,13 +75,18 @@ fn compare(build: Build, what: &str, parameter: &str) -> Option<[usize; 3]> {
                 continue;
             }
             Velocity::Still => None,
-            Velocity::Moves(v) => Some(v),
+            Velocity::Moves(v) | Velocity::Follows(v) => Some(v),
         };
+        let follows = matches!(found.curves[i], Velocity::Follows(_));
         counts[usize::from(velocity.is_none())] += 1;
         for _ in 0..20 {
             let t = random.within(domain);
             let got = velocity.map_or(DVec3::ZERO, |v| v.point(t));
-            let points = [0, 1, 2, 3].map(|k| models[k].curves[i].curve.point(t));
+            let points = [0, 1, 2, 3].map(|k| {
+                let other = &models[k].curves[i].curve;
+                let breaks = [curve.curve.breaks(), other.breaks()];
+                other.point(if follows { carried(t, breaks) } else { t })
+            });
             check(got, points, size, &curve.name);
         }
     }
@@ -82,21 +99,30 @@ fn compare(build: Build, what: &str, parameter: &str) -> Option<[usize; 3]> {
                 continue;
             }
             Velocity::Still => None,
-            Velocity::Moves(v) => {
+            Velocity::Moves(v) | Velocity::Follows(v) => {
                 assert_eq!(v.domain(), domain, "{what}: {}", surface.name);
                 Some(v)
             }
         };
+        let follows = matches!(found.surfaces[i], Velocity::Follows(_));
         counts[usize::from(velocity.is_none())] += 1;
         for _ in 0..20 {
             let uv = domain.map(|d| random.within(d));
             let got = velocity.map_or(DVec3::ZERO, |v| v.point(uv));
-            let points = [0, 1, 2, 3].map(|k| models[k].surfaces[i].surface.point(uv));
+            let points = [0, 1, 2, 3].map(|k| {
+                let other = &models[k].surfaces[i].surface;
+                let at = [Dir::U, Dir::V].map(|dir| {
+                    let t = uv[usize::from(dir == Dir::V)];
+                    let breaks = [surface.surface.breaks(dir), other.breaks(dir)];
+                    if follows { carried(t, breaks) } else { t }
+                });
+                other.point(at)
+            });
             check(got, points, size, &surface.name);
             // The velocity encloses itself and its derivatives.
             if let Some(v) = velocity {
                 let around = [0, 1].map(|d| {
-                    let breaks = v.breaks([nappe::surface::Dir::U, nappe::surface::Dir::V][d]);
+                    let breaks = v.breaks([Dir::U, Dir::V][d]);
                     let piece = breaks.piece(breaks.find(uv[d], nappe::Limit::Above));
                     nappe::Interval::new(uv[d], (uv[d] + 0.01).min(piece.hi))
                 });
@@ -121,26 +147,37 @@ fn compare(build: Build, what: &str, parameter: &str) -> Option<[usize; 3]> {
 #[test]
 fn velocities_of_all_examples_agree_with_differences() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    let mut moving = 0;
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|e| e != "toml") {
-            continue;
-        }
-        let build = |o: &Overrides| load(&path, o).ok();
-        let model = build(&Overrides::default()).unwrap();
-        let name = path.file_name().unwrap().to_string_lossy();
-        for p in &model.params {
-            // A parameter that is an expression may not be free: contours open when it changes alone.
-            let Some(counts) = compare(&build, &name, &p.name) else {
-                assert!(p.expression.is_some(), "{name}, {}", p.name);
-                continue;
-            };
-            println!("{name}, {}: {counts:?}", p.name);
-            moving += counts[0];
-        }
-    }
+    let paths = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path());
+    let paths: Vec<PathBuf> = paths
+        .filter(|p| p.extension().is_some_and(|e| e == "toml"))
+        .collect();
+    let moving: usize = std::thread::scope(|scope| {
+        let threads: Vec<_> = paths
+            .iter()
+            .map(|path| scope.spawn(move || example(path)))
+            .collect();
+        threads.into_iter().map(|t| t.join().unwrap()).sum()
+    });
     assert!(moving > 100, "{moving}");
+}
+
+/// Compares the velocities of an example for each of its parameters; gives how many objects move.
+fn example(path: &Path) -> usize {
+    let build = |o: &Overrides| load(path, o).ok();
+    let model = build(&Overrides::default()).unwrap();
+    let name = path.file_name().unwrap().to_string_lossy();
+    let mut moving = 0;
+    for p in &model.params {
+        // A parameter that is an expression may not be free: contours open when it changes alone.
+        let Some(counts) = compare(&build, &name, &p.name) else {
+            assert!(p.expression.is_some(), "{name}, {}", p.name);
+            continue;
+        };
+        moving += counts[0];
+    }
+    moving
 }
 
 /// A model with one parameter p of a value.
@@ -212,6 +249,37 @@ start_tangent = ["p", 0, 1]"#,
         r#"kind = "interpolate"
 closed = true
 points = [[0, 0, 0], ["4*p", 0, 0], ["4*p", "4*p", "p"], [0, "4*p", 0], [0, 0, 0]]"#,
+        // The corners move along the parameter.
+        r#"kind = "polyline"
+points = [[0, 0, 0], ["p", 1, 0], [3, "p", 1], [3, 5, "p^2"]]"#,
+        r#"kind = "polyline"
+points = [[1e5, 0, 0], ["1e5 + p", 1, 0], ["1e5 + 3", "p", 1]]
+parametrization = "centripetal""#,
+        r#"kind = "reverse"
+curve = { kind = "polyline", points = [[0, 0, 0], ["p", 1, 0], [3, "p", 1], [3, 5, 0]] }"#,
+        r#"kind = "join"
+curves = [{ kind = "line", from = [0, "p", 0], to = [1, "p", 0] }, { kind = "polyline", points = [[1, "p", 0], ["5*p", 3, 0], [9, 9, 9]] }]"#,
+        r#"kind = "transform"
+curve = { kind = "polyline", points = [[0, 0, 0], ["p", 1, 0], [3, "p", 1], [3, 5, 0]] }
+rotate = { axis = "x", angle = "p rad" }"#,
+        // The knots move with the points.
+        r#"kind = "interpolate"
+points = [[0, 0, 0], ["p", 1, 0], [3, "p", 1], [5, 0, "p"], [6, 1, 0]]"#,
+        r#"kind = "interpolate"
+points = [[0, 0, 0], ["p", 1, 0], [3, "p", 1], [5, 0, "p"], [6, 1, 0]]
+parametrization = "centripetal"
+start_tangent = ["p", 0, 1]
+end_tangent = [0, "p^2", 0]"#,
+        r#"kind = "interpolate"
+points = [[0, 0, 0], ["p", 1, 0], [3, "p", 1]]
+end_tangent = [0, 20, 0]"#,
+        r#"kind = "interpolate"
+closed = true
+points = [[0, 0, 0], [4, 0, 0], [4, "4*p", "p"], ["-p", 4, 0], [0, 3, 0]]"#,
+        r#"kind = "interpolate"
+closed = true
+points = [["p", 0, 0], [4, 0, 0], [4, "4*p", "p"], ["p", 0, 0]]
+parametrization = "centripetal""#,
         r#"kind = "expression"
 x = "p*t^2"
 y = "sin(p*t) + if(t < 0.5, p, p + t - 0.5)"
@@ -283,6 +351,28 @@ start = "20*p deg""#,
 profile = { kind = "line", from = ["3 + p", 0, 0], to = [5, 0, 4] }
 construction = "coons"
 angle = "60*p deg""#,
+        r#"kind = "revolution"
+profile = { kind = "polyline", points = [[0, 0, "2*p"], ["p", 0, "2*p"], ["p", 0, 0], [0, 0, 0]] }
+angle = "100*p deg""#,
+        r#"kind = "revolution"
+profile = { kind = "interpolate", points = [[1, 0, 0], ["p", 0, 1], [1, 0, "2*p"], [2, 0, 4]] }"#,
+        r#"kind = "ruled"
+south = { kind = "polyline", points = [[0, 0, 0], ["p", 0, 0], ["p", 2, 0], [0, 2, 0]] }
+north = { kind = "polyline", points = [[0, 0, 5], ["p", 0, 5], ["p", 2, 5], [0, 2, 5]] }"#,
+        r#"kind = "ruled"
+west = { kind = "arc", center = [0, 0, 0], radius = "p", from = "0deg", to = "90deg" }
+east = { kind = "polyline", points = [[5, 0, 0], ["5 + p", 1, 0], [5, 5, "p"]] }"#,
+        r#"kind = "ruled"
+south = { kind = "polyline", points = [[5, 0, 0], ["5 + p", 1, 0], [5, 5, "p"]] }
+north = { kind = "line", from = [0, 0, 5], to = [0, 7, 5] }"#,
+        r#"kind = "ruled"
+south = { kind = "interpolate", points = [[0, 0, 0], ["p", 0, 1], ["p", 2, 0], [0, 2, 0]] }
+north = { kind = "interpolate", points = [[0, 0, 5], [1, "p", 5], [0, 2, 7]] }"#,
+        r#"kind = "coons"
+south = { kind = "interpolate", points = [[0, 0, 0], ["p", 1, 0], ["5*p", 0, 0]] }
+north = { kind = "line", from = [0, 5, 0], to = [5, 5, 1] }
+west = { kind = "line", from = [0, 0, 0], to = [0, 5, 0] }
+east = { kind = "line", from = ["5*p", 0, 0], to = [5, 5, 1] }"#,
         r#"kind = "torus"
 major = "5*p"
 minor = "p^2"
@@ -370,8 +460,20 @@ fn of(text: &str, p: f64) -> Result<Velocities, String> {
 fn what_is_not_known_is_refused_by_name() {
     for (text, says) in [
         (
-            "[curves.c]\nkind = \"polyline\"\npoints = [[0, 0, 0], [\"p\", 1, 0], [3, 0, 0]]",
-            "curve `c`: its corners move along its parameter",
+            "[curves.c]\nkind = \"trim\"\ncurve = { kind = \"polyline\", points = [[0, 0, 0], [\"p\", 1, 0], [3, 0, 0]] }\nfrom = 0.25",
+            "curve `c`, `curve`: its corners move along its parameter",
+        ),
+        (
+            "[curves.c]\nkind = \"interpolate\"\ndegree = 2\npoints = [[0, 0, 0], [\"p\", 1, 0], [3, 0, 0], [4, 1, 0]]",
+            "curve `c`: its knots change with the distances of its points: write degree = 3",
+        ),
+        (
+            "[curves.c]\nkind = \"interpolate\"\nclosed = true\npoints = [[1.3, 0, 0], [2, 1, 0], [3, 0, 0], [\"p\", 0, 0]]",
+            "curve `c`: its first point leaves its last one",
+        ),
+        (
+            "[curves.c]\nkind = \"join\"\ncurves = [{ kind = \"line\", from = [0, 0, 0], to = [1.3, 0, 0] }, { kind = \"line\", from = [\"p\", 0, 0], to = [3, 1, 0] }]",
+            "curve `c`: its curves 1 and 2 part as they move",
         ),
         (
             "[curves.c]\nkind = \"nurbs\"\ndegree = 1\npoints = [[0, 0, 0], [1, 1, 0], [3, 0, 0]]\nknots = [0, 0, \"p/4\", 1, 1]",
@@ -379,7 +481,7 @@ fn what_is_not_known_is_refused_by_name() {
         ),
         (
             "[curves.c]\nkind = \"arc\"\nthrough = [[0, 0, 0], [\"p\", 1, 0], [3, 0, 0]]",
-            "curve `c`: how a arc changes with its data is not known",
+            "curve `c`: how the kind \"arc\" changes with its data is not known",
         ),
         (
             "[curves.c]\nkind = \"expression\"\nx = \"t\"\ny = \"0\"\nz = \"0\"\ndomain = [0, \"p\"]",
@@ -395,6 +497,19 @@ fn what_is_not_known_is_refused_by_name() {
             other => panic!("{text}: {other:?}"),
         }
     }
+    // Corners that move in different ways.
+    let ruled = r#"
+[surfaces.s]
+kind = "ruled"
+south = { kind = "polyline", points = [[0, 0, 0], ["p", 1, 0], [3, 0, 0]] }
+north = { kind = "polyline", points = [[0, 0, 5], [1, 1, 5], [3, 0, 5]] }
+"#;
+    let found = of(ruled, 1.3).unwrap();
+    assert!(
+        matches!(&found.surfaces[0], Velocity::Unknown(why) if why.contains("its corners move")),
+        "{:?}",
+        found.surfaces[0]
+    );
     let chain = r#"
 [curves.c]
 kind = "arc"
@@ -428,6 +543,10 @@ fn kinks_are_errors() {
             "it jumps",
         ),
         (
+            "[curves.c]\nkind = \"expression\"\nx = \"t\"\ny = \"t*max(p, 3)\"\nz = \"0\"",
+            "depends on the parameter",
+        ),
+        (
             "[curves.c]\nkind = \"line\"\nfrom = [0, 0, 0]\nto = [1, \"sqrt(p - 3)\", 0]",
             "no finite derivative",
         ),
@@ -449,6 +568,12 @@ fn kinks_are_errors() {
         3.5,
     );
     assert!(matches!(beside.unwrap().curves[0], Velocity::Moves(_)));
+    // What does not depend on the parameter may be on a switch.
+    let constants = "n = 4\nk = \"floor(n/2)\"\n[curves.c]\nkind = \"line\"\nfrom = [0, 0, \"k + if(n/2 < 2, 1, 3)\"]\nto = [1, \"p*floor(n/2)\", 0]";
+    let Velocity::Moves(v) = &of(constants, 3.0).unwrap().curves[0] else {
+        panic!("it moves")
+    };
+    assert_eq!(v.point(1.0), DVec3::new(0.0, 2.0, 0.0));
     let none = Overrides::default();
     let model = model(1.0, "")(&none).unwrap();
     let e = velocities(&model, &none, "q").unwrap_err();

@@ -9,21 +9,47 @@
 //!
 //! x86-64 has streaming stores in its base; on other targets this is plain copying.
 
+use std::marker::PhantomData;
+use std::ops::Range;
 use std::slice::{Iter, IterMut};
 
+/// Keeps a value on its thread: a fence orders the streaming stores of the thread that runs it, and of no other.
+type Here = PhantomData<*const ()>;
+
 /// Where results go, one part after the other or in any order.
+///
+/// It stays on the thread that called [`stream`], as do its copies: the stores of one thread stay in order for that thread,
+/// and its fence puts them in place for all others. This does not compile:
+///
+/// ```compile_fail,E0277
+/// let mut out = vec![0.0; 8];
+/// nappe_stream::stream(&mut out, |w| {
+///     std::thread::scope(|scope| {
+///         scope.spawn(|| drop(w.copying(0, &[1.0; 8])));
+///     });
+/// });
+/// ```
 pub struct Writer<'a> {
     out: &'a mut [f64],
+    /// What was written since the last fence.
+    fresh: Fresh,
+    here: Here,
 }
 
 impl Writer<'_> {
     /// Begins to copy `from` to the places that start at index `at`. What [`Copying::step`] has not copied when it is
     /// dropped is copied then.
     ///
+    /// Places may be written again: what was written first is in place by then. That takes a fence, as does going back to
+    /// places between two that were written since the last one; parts one after the other need none.
+    ///
     /// Panics if the places do not all exist.
     #[inline(always)]
     pub fn copying<'a>(&'a mut self, at: usize, from: &'a [f64]) -> Copying<'a> {
         let to = &mut self.out[at..][..from.len()];
+        if self.fresh.is_met_by(at..at + from.len()) {
+            drop(Fence);
+        }
         let start = to
             .as_ptr()
             .align_offset(LINE * size_of::<f64>())
@@ -37,7 +63,30 @@ impl Writer<'_> {
         Copying {
             lines: lines.iter_mut(),
             sources: sources.iter(),
+            here: PhantomData,
         }
+    }
+}
+
+/// The smallest range around all places written since a fence.
+#[derive(Default)]
+struct Fresh(Range<usize>);
+
+impl Fresh {
+    /// Adds some places. If they may have been written since the fence another one is due: they are the first after that.
+    #[inline(always)]
+    fn is_met_by(&mut self, part: Range<usize>) -> bool {
+        if part.is_empty() {
+            return false;
+        }
+        let old = &self.0;
+        let met = part.start < old.end && old.start < part.end;
+        self.0 = if met || old.is_empty() {
+            part
+        } else {
+            old.start.min(part.start)..old.end.max(part.end)
+        };
+        met
     }
 }
 
@@ -50,6 +99,7 @@ pub const LINE: usize = 8;
 pub struct Copying<'a> {
     lines: IterMut<'a, [f64; LINE]>,
     sources: Iter<'a, [f64; LINE]>,
+    here: Here,
 }
 
 impl Copying<'_> {
@@ -78,7 +128,11 @@ impl Drop for Copying<'_> {
 pub fn stream<T>(out: &mut [f64], fill: impl FnOnce(&mut Writer) -> T) -> T {
     // Dropped after `fill`, even if that panics. A caller cannot forget it, as it could a guard in the writer.
     let _fence = Fence;
-    fill(&mut Writer { out })
+    fill(&mut Writer {
+        out,
+        fresh: Fresh::default(),
+        here: PhantomData,
+    })
 }
 
 /// Orders streaming stores before everything that follows.
@@ -113,9 +167,11 @@ fn copy_line(to: &mut [f64; LINE], from: &[f64; LINE]) {
     {
         // SAFETY: both instructions are part of the base of x86-64. `to` is an array of two numbers that is borrowed
         // exclusively, so there are 16 bytes to write, and it starts at a multiple of 16: lines start at multiples of 64
-        // (`copying` sees to it), and pairs are 16 bytes apart. The fence that must come before other accesses: nothing
-        // can reach the places before `stream` returns or unwinds, since it holds the only borrow of them, and it ends
-        // with one.
+        // (`copying` sees to it), and pairs are 16 bytes apart. The fence that must come before other accesses, on the
+        // thread of the store: the borrow of all places is in the writer, which `stream` made and which never leaves its
+        // thread, nor do copies. So nothing reaches the places but `copying`, until `stream` returns or unwinds, which
+        // ends with a fence; and `copying` fences before it takes up a place that was written since the last one. The
+        // plain stores of `copying` beside the lines are to other places by then, and order themselves.
         unsafe { _mm_stream_pd(to.as_mut_ptr(), _mm_set_pd(from[1], from[0])) };
     }
 }
@@ -162,6 +218,64 @@ mod tests {
             });
         });
         assert!(out.chunks(1000).all(|row| row == from));
+    }
+
+    /// What is written again holds what came last, also where lines of one copy are beside the ends of another.
+    #[test]
+    fn places_are_written_again() {
+        let mut out = vec![0.0; 64];
+        let mut expected = out.clone();
+        stream(&mut out, |w| {
+            let mut value = 0.0;
+            for at in (0..40).chain((0..40).rev()) {
+                for length in [1, 7, 8, 24] {
+                    value += 1.0;
+                    let from: Vec<f64> = (0..length).map(|k| value + 1e-3 * f64::from(k)).collect();
+                    drop(w.copying(at, &from));
+                    expected[at..at + from.len()].copy_from_slice(&from);
+                }
+            }
+        });
+        assert_eq!(out, expected);
+    }
+
+    /// A fence is due exactly before places within what was written since the last one.
+    #[test]
+    fn fences_come_before_places_are_written_again() {
+        let fences = |parts: &[Range<usize>]| {
+            let mut fresh = Fresh::default();
+            parts
+                .iter()
+                .map(|p| fresh.is_met_by(p.clone()))
+                .collect::<Vec<bool>>()
+        };
+        assert_eq!(fences(&[0..8, 8..16, 16..24]), [false; 3]);
+        assert_eq!(fences(&[0..8, 0..8, 8..16]), [false, true, false]);
+        assert_eq!(fences(&[8..16, 0..8, 7..9]), [false, false, true]);
+        assert_eq!(
+            fences(&[0..0, 5..9, 7..7, 9..9, 8..10]),
+            [false, false, false, false, true]
+        );
+        // Tiles of a grid of three rows: one fence for each but the first.
+        let tile = |first: usize| (0..3).map(move |row| 10 * row + first..10 * row + first + 5);
+        let both: Vec<_> = tile(0).chain(tile(5)).collect();
+        assert_eq!(fences(&both), [false, false, false, true, false, false]);
+    }
+
+    /// Neither writers nor copies go to other threads: were one `Send` or `Sync`, two functions would be meant.
+    #[test]
+    fn they_stay_on_their_thread() {
+        trait Unless<T> {
+            fn holds() -> bool {
+                true
+            }
+        }
+        struct Sends;
+        struct Shares;
+        impl<T> Unless<()> for T {}
+        impl<T: Send> Unless<Sends> for T {}
+        impl<T: Sync> Unless<Shares> for T {}
+        assert!(<Writer as Unless<_>>::holds() && <Copying as Unless<_>>::holds());
     }
 
     /// What lies outside is refused before anything is written.

@@ -330,3 +330,84 @@ fn nearly_one_axis_is_not_one() {
     let error = f.contact_error(0.3).unwrap();
     assert!(error < 1e-12, "{error:e}");
 }
+
+/// A quarter of a cylinder of radius 2 about the line x = y = 2 from z = 0 to 10, as the fillet between two walls.
+fn quarter() -> SurfaceRef {
+    let wall = |x: DVec3, y: DVec3| -> SurfaceRef {
+        Arc::new(bilinear([[DVec3::ZERO, y], [x, x + y]]).unwrap())
+    };
+    let walls = [
+        wall(DVec3::Y * 10.0, DVec3::Z * 10.0),
+        wall(DVec3::Z * 10.0, DVec3::X * 10.0),
+    ];
+    let f: SurfaceRef = Arc::new(fillet(&walls, 2.0, [true, true], None));
+    assert!(matches!(f.elementary(), Some(Elementary::Cylinder { .. })));
+    f
+}
+
+#[test]
+fn along_a_part_of_a_cylinder_the_ball_ends_where_it_ends() {
+    let strip = quarter();
+    // Onto a floor: a quarter of a torus, whose centre line is a quarter of a circle of radius 2 - 1/2.
+    let supports = [strip.clone(), floor(&Frame::WORLD, 0.0, 10.0)];
+    let f = fillet(&supports, 0.5, [true, true], None);
+    certify(&f, &supports, 10.0);
+    assert!((major(&f) - 1.5).abs() < 1e-12);
+    let mut length = 0.0;
+    let n = 256;
+    for i in 0..=n {
+        let u = f64::from(i) / f64::from(n);
+        let (c, _) = f.ball(u);
+        assert!(c.x < 2.0 + 1e-9 && c.y < 2.0 + 1e-9, "{c}");
+        if i > 0 {
+            length += f.ball(u - 1.0 / f64::from(n)).0.distance(c);
+        }
+    }
+    assert!((length - 1.5 * FRAC_PI_2).abs() < 1e-4, "{length}");
+    // The same as an image, and with the supports exchanged.
+    let swapped = [supports[1].clone(), supports[0].clone()];
+    let g = fillet(&swapped, 0.5, [true, true], None);
+    for e in [0.0, 1.0] {
+        let ends = [f.ball(0.0).0, f.ball(1.0).0];
+        let c = g.ball(e).0;
+        assert!(ends.iter().any(|p| p.distance(c) < 1e-9), "{c}");
+    }
+}
+
+#[test]
+fn a_plane_along_a_part_of_a_cylinder_is_touched_where_that_part_is() {
+    let strip = quarter();
+    // A wall y = 1 whose normal is -y: the ball's centre is at y = 0.7, 1.7 from the axis, on the side of the strip.
+    let plane = |y: f64| -> SurfaceRef {
+        let at = |x: f64, z: f64| v(x, y, z);
+        Arc::new(
+            bilinear([
+                [at(-9.0, 0.0), at(-9.0, 10.0)],
+                [at(9.0, 0.0), at(9.0, 10.0)],
+            ])
+            .unwrap(),
+        )
+    };
+    let wall = plane(1.0);
+    assert!(matches!(
+        wall.elementary(),
+        Some(Elementary::Plane { normal, .. }) if normal.y < -0.5
+    ));
+    let supports = [wall, strip.clone()];
+    let f = fillet(&supports, 0.3, [true, true], None);
+    certify(&f, &supports, 10.0);
+    let x = 2.0 - (1.7f64 * 1.7 - 1.3 * 1.3).sqrt();
+    for u in [0.0, 0.3, 1.0] {
+        let (c, _) = f.ball(u);
+        assert!(v(c.x - x, c.y - 0.7, 0.0).length() < 1e-12, "{c}");
+    }
+    // Exactly a NURBS surface, as along a whole cylinder.
+    assert!(f.to_nurbs().is_some());
+    // At y = 3.6 the ball would touch the cylinder only where the strip is not.
+    let beyond = [plane(3.6), strip];
+    let options = FilletOptions {
+        side: Some([true, true]),
+        ..Default::default()
+    };
+    assert!(Fillet::new(&beyond[0], &beyond[1], Radius::Constant(0.3), options).is_err());
+}

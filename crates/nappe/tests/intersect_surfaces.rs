@@ -380,3 +380,48 @@ fn a_tolerance_must_be_positive() {
         assert!(matches!(refused, SurfacesError::Tolerance(_)));
     }
 }
+
+/// A net of n by n flat cells of bilinear patches over the unit square, with heights.
+fn facets(n: usize, height: impl Fn(f64, f64) -> f64) -> SurfaceRef {
+    let at = |i: usize| i as f64 / n as f64;
+    let points: Vec<DVec3> = (0..=n)
+        .flat_map(|i| (0..=n).map(move |j| (at(i), at(j))))
+        .map(|(x, y)| DVec3::new(x, y, height(x, y)))
+        .collect();
+    let mut knots: Vec<f64> = (0..=n).map(at).collect();
+    knots.insert(0, 0.0);
+    knots.push(1.0);
+    Arc::new(NurbsSurface::new([1, 1], [knots.clone(), knots], &points, None).unwrap())
+}
+
+#[test]
+fn the_budget_is_one_for_all_pairs_of_cells_and_what_it_does_not_reach_is_not_decided() {
+    let n = 48;
+    let wave = |x: f64, y: f64| 0.1 * (5.0 * x).sin() * (4.0 * y).cos();
+    let net = facets(n, wave);
+    // About 9 n² pairs of cells touch: each has common points.
+    let budget = 1500;
+    let found = within(&net, &net, budget);
+    assert!(found.boxes <= 10 * budget, "{}", found.boxes);
+    for k in 0..n * n {
+        let [u, v] = [k / n, k % n].map(|i| (i as f64 + 0.37) / n as f64);
+        let place = [u, v, u, v];
+        let told = |b: &[nappe::Interval; 4]| (0..4).all(|j| b[j].contains(place[j]));
+        let known = found.undecided.iter().flat_map(|c| &c.boxes).any(told);
+        assert!(known, "({u}, {v})");
+    }
+}
+
+#[test]
+fn a_net_of_many_cells_is_crossed_from_end_to_end() {
+    // z = x - 0.3 in every cell, with cells that are no plane's.
+    let net = facets(40, |x, y| (x - 0.303) * (1.0 + 0.5 * (9.0 * y).sin()));
+    let found = meet(
+        &net,
+        &sheet([0.5, 0.5, 0.0], [0.7, 0.0, 0.0], [0.0, 0.7, 0.0]),
+    );
+    let told: Vec<String> = found.undecided.iter().map(ToString::to_string).collect();
+    assert_eq!(counts(&found), (1, 0), "{told:?}");
+    let ends = found.branches[0].curve().ends();
+    assert!((ends[0].distance(ends[1]) - 1.0).abs() < 1e-5, "{ends:?}");
+}

@@ -1,12 +1,12 @@
 //! `nappe build`.
 
+use super::closing;
 use crate::failure::Failure;
 use crate::model::ModelArgs;
 use crate::scene::Bend;
 use crate::screen::Screen;
-use crate::text::{self, Table, bound, number};
+use crate::text::{self, Table};
 use crate::{output, scene, slits};
-use nappe::mesh::Certainty;
 use nappe_exchange::{Format, Progress, Scene, WriteOptions, WriteReport};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -153,11 +153,7 @@ fn beside(model: &Path) -> PathBuf {
     model.with_file_name(format!("{bare}.glb"))
 }
 
-/// A coordinate smaller than this share of the box is shown as 0.
-const NEGLIGIBLE: f64 = 1e-9;
-
 fn table(scene: &Scene, reports: &[WriteReport], start: Instant) -> Table {
-    let unit = scene.units.symbol();
     let mut table = Table::of_facts();
     if let Some(title) = &scene.title {
         table.row(["title", title]);
@@ -169,48 +165,8 @@ fn table(scene: &Scene, reports: &[WriteReport], start: Instant) -> Table {
         ]);
     } else {
         table.row(["patches".to_owned(), text::count(scene.parts.len())]);
-        table.row(["triangles".to_owned(), text::count(scene.triangles())]);
-        if let Some([lo, hi]) = scene.extent() {
-            let size = (hi - lo).to_array().map(|x| number(x, 5)).join(" × ");
-            // Rounding leaves a coordinate of 1e-15 where 0 is meant.
-            let negligible = NEGLIGIBLE * (hi - lo).length();
-            let place = |x: f64| if x.abs() < negligible { 0.0 } else { x };
-            let range = |p: nappe::DVec3| p.to_array().map(|x| number(place(x), 5)).join(", ");
-            table.row([
-                "box".to_owned(),
-                format!("{size} {unit}, from ({}) to ({})", range(lo), range(hi)),
-            ]);
-        }
-        table.row(["mesh error".to_owned(), certainty(scene.deviation(), unit)]);
+        closing::mesh(&mut table, scene);
     }
-    for (i, r) in reports.iter().enumerate() {
-        let name = if i == 0 { "files" } else { "" };
-        // Worth a word only where it shows.
-        let rounded = if certainty(r.deviation, unit) == certainty(scene.deviation(), unit) {
-            String::new()
-        } else {
-            format!(
-                "; error with the format's rounding {}",
-                certainty(r.deviation, unit)
-            )
-        };
-        table.row([
-            name.to_owned(),
-            format!("{} ({}{rounded})", r.path.display(), text::bytes(r.bytes)),
-        ]);
-    }
-    table.row([
-        "time".to_owned(),
-        format!("{} s", number(start.elapsed().as_secs_f64(), 3)),
-    ]);
+    closing::files(&mut table, scene, reports, start);
     table
-}
-
-/// A deviation in words.
-fn certainty(c: Certainty, unit: &str) -> String {
-    match c {
-        Certainty::Exact => "none, exact".to_owned(),
-        Certainty::Bounded(e) => format!("at most {} {unit}, proven", bound(e, 3)),
-        Certainty::Estimated(e) => format!("about {} {unit}, estimated, not proven", bound(e, 3)),
-    }
 }

@@ -1,21 +1,31 @@
 //! `nappe convert`.
 
+use super::closing;
 use crate::failure::{Failure, Problem};
 use crate::output;
 use crate::screen::Screen;
-use crate::text::{bytes, count};
-use nappe_exchange::{Document, Format, LeftOut, Progress, Read, Scene, WriteOptions};
+use crate::text::{Table, bytes, count};
+use nappe_exchange::{
+    Document, DocumentMesh, Format, LeftOut, Missing, Progress, Read, Scene, WriteOptions,
+    WriteReport, mesh_document,
+};
 use std::path::PathBuf;
+use std::time::Instant;
 
-/// Convert a file: meshes to meshes and pictures, exact geometry between STEP and IGES
+/// Convert a file: exact geometry to meshes, pictures, STEP and IGES, and meshes to meshes and pictures
 ///
 /// Reads .stl .obj .ply .glb .gltf .3mf (meshes), .step .stp .igs .iges (exact geometry). The ending of the second file
-/// says its format. What could not be taken over is told with its reason.
+/// says its format. Bodies become triangles within a proven distance, watertight along the edges that faces share, with
+/// names, colours and units. What could not be taken over is told with its reason.
+///
+/// Faces and curves that get no triangles or lines are named; the file then holds the rest, and the exit code is 1.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
-  nappe convert scan.stl scan.glb
-  nappe convert hull.iges hull.step")]
+  nappe convert part.step part.glb
+  nappe convert part.step part.stl --tolerance 0.01
+  nappe convert hull.iges hull.step
+  nappe convert scan.stl scan.png")]
 pub(crate) struct Args {
     /// The file to read
     #[arg(value_name = "IN")]
@@ -24,42 +34,62 @@ pub(crate) struct Args {
     /// The file to write
     #[arg(value_name = "OUT")]
     output: PathBuf,
+
+    /// The greatest distance between triangles and surfaces, or between approximated and exact surfaces, in the unit of the
+    /// file. Default: for triangles a thousandth of the diagonal of the box, else a micrometre
+    #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = super::length)]
+    tolerance: Option<f64>,
 }
 
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
+        let start = Instant::now();
         let format = Format::from_path(&self.output).map_err(output::refused)?;
         output::check(&self.output)?;
         let read = nappe_exchange::read(&self.input).map_err(|e| Problem::new(e.to_string()))?;
-        let (scene, notes) = match read {
+        let input = self.input.display();
+        match read {
             Read::Mesh(m) if format.is_exact() || format == Format::Json => {
-                let (name, triangles) = (self.input.display(), count(m.triangles()));
-                let what = format!("{name}: holds {triangles} triangles and no exact surfaces");
-                return Err(Problem::new(what)
+                let triangles = count(m.triangles());
+                let what = format!("{input}: holds {triangles} triangles and no exact surfaces");
+                Err(Problem::new(what)
                     .help("a mesh can be converted to other meshes and to pictures")
-                    .into());
+                    .into())
             }
-            Read::Mesh(m) => (m.to_scene(), m.notes),
+            Read::Mesh(_) if self.tolerance.is_some() => Err(Failure::usage(format!(
+                "--tolerance is for exact geometry: the triangles of {input} are taken as they are"
+            ))),
+            Read::Mesh(m) => self.plain(&m.to_scene(), &m.notes, screen),
             Read::Document(d) if format.is_exact() => {
-                let notes = d.left_out.iter().map(left_out).collect();
-                (exact(d), notes)
+                let notes: Vec<String> = d.left_out.iter().map(left_out).collect();
+                self.plain(&exact(d), &notes, screen)
             }
-            Read::Document(_) => {
-                let what = format!("{}: holds exact geometry", self.input.display());
-                return Err(Problem::new(what)
-                    .help("it can be converted to .step and .igs; trimmed surfaces cannot be meshed yet")
-                    .into());
+            Read::Document(_) if format == Format::Json => {
+                let what = format!("{input}: holds faces, and .json files hold whole surfaces");
+                Err(Problem::new(what)
+                    .help("convert it to .step, .igs, a mesh or a picture")
+                    .into())
             }
-        };
+            Read::Document(d) => self.mesh(&d, start, screen),
+        }
+    }
+
+    fn write(&self, scene: &Scene, screen: &Screen) -> Result<WriteReport, Failure> {
         let progress = screen.progress(&format!("Writing {}", self.output.display()));
         let tell = |share| progress.tell(share);
         let options = WriteOptions {
             progress: Progress::to(&tell),
+            tolerance: self.tolerance,
             ..WriteOptions::default()
         };
-        let report = nappe_exchange::write(&self.output, &scene, &options);
+        let report = nappe_exchange::write(&self.output, scene, &options);
         progress.finish();
-        let report = report.map_err(output::refused)?;
+        report.map_err(output::refused)
+    }
+
+    /// Writes what was read as it is.
+    fn plain(&self, scene: &Scene, notes: &[String], screen: &Screen) -> Result<(), Failure> {
+        let report = self.write(scene, screen)?;
         let size = bytes(report.bytes);
         screen.note(format!("{}: {size}", self.output.display()));
         for note in notes.iter().chain(&report.notes) {
@@ -67,6 +97,98 @@ impl Args {
         }
         Ok(())
     }
+
+    /// Writes the triangles of bodies.
+    fn mesh(&self, document: &Document, start: Instant, screen: &Screen) -> Result<(), Failure> {
+        let progress = screen.progress("Meshing");
+        let tell = |share| progress.tell(share);
+        let made = mesh_document(document, self.tolerance, Progress::to(&tell));
+        progress.finish();
+        let notes: Vec<String> = document.left_out.iter().map(left_out).collect();
+        let shown = |notes: &[String]| notes.iter().for_each(|note| screen.note(note));
+        if made.scene.parts.is_empty() && made.scene.curves.is_empty() {
+            shown(&notes);
+            let mut problems = missing(&made.missing, "nothing was written");
+            if problems.is_empty() {
+                let what = format!("{}: holds no faces and no curves", self.input.display());
+                problems.push(Problem::new(what).help("`nappe info` tells what it holds"));
+            }
+            return Err(problems.into());
+        }
+        let report = self.write(&made.scene, screen);
+        if let Ok(report) = &report {
+            screen.note(table(&made, report, start));
+        }
+        shown(&notes);
+        if made.points > 0 {
+            let points = count(made.points);
+            screen.note(format!(
+                "left out: {points} points: meshes and pictures have no place for single points"
+            ));
+        }
+        for place in &made.turned_round {
+            screen.note(format!(
+                "note: {place}: its loops run the wrong way round and were turned"
+            ));
+        }
+        let report = match report {
+            Ok(report) => report,
+            // What has no triangles may be why there is nothing to write.
+            Err(e) if made.missing.is_empty() => return Err(e),
+            Err(Failure::Problems(mut problems)) => {
+                let more = missing(&made.missing, "nothing was written");
+                problems.extend(more.into_iter().map(|p| Box::new(p) as _));
+                return Err(Failure::Problems(problems));
+            }
+            Err(e) => return Err(e),
+        };
+        shown(&report.notes);
+        let rest = format!("{} holds the rest", self.output.display());
+        match missing(&made.missing, &rest) {
+            problems if problems.is_empty() => Ok(()),
+            problems => Err(problems.into()),
+        }
+    }
+}
+
+/// Problems that are shown one by one.
+const MOST_SHOWN: usize = 20;
+
+/// What has no triangles or lines, and what became of the rest.
+fn missing(all: &[Missing], rest: &str) -> Vec<Problem> {
+    let one = |m: &Missing| Problem::new(format!("{} is left out: {}", m.place, m.why));
+    let mut problems: Vec<Problem> = all.iter().take(MOST_SHOWN).map(one).collect();
+    let more = all.len().saturating_sub(MOST_SHOWN);
+    if more > 0 {
+        problems.push(Problem::new(format!(
+            "{} more faces and curves are left out",
+            count(more)
+        )));
+    }
+    let last = problems.pop();
+    let help = format!("{rest}; `nappe info` tells more of the file, another --tolerance may help");
+    problems.extend(last.map(|p| p.help(help)));
+    problems
+}
+
+fn table(made: &DocumentMesh, report: &WriteReport, start: Instant) -> Table {
+    let scene = &made.scene;
+    let mut table = Table::of_facts();
+    if let Some(title) = &scene.title {
+        table.row(["title", title]);
+    }
+    table.row(["bodies".to_owned(), count(made.bodies)]);
+    let faces = match (scene.parts.len(), made.faces) {
+        (meshed, all) if meshed == all => count(all),
+        (meshed, all) => format!("{} of {}", count(meshed), count(all)),
+    };
+    table.row(["faces".to_owned(), faces]);
+    if !scene.curves.is_empty() {
+        table.row(["curves".to_owned(), count(scene.curves.len())]);
+    }
+    closing::mesh(&mut table, scene);
+    closing::files(&mut table, scene, std::slice::from_ref(report), start);
+    table
 }
 
 fn exact(document: Document) -> Scene {
@@ -78,7 +200,8 @@ fn exact(document: Document) -> Scene {
     }
 }
 
-fn left_out(l: &LeftOut) -> String {
+/// What a reader left out, in words.
+pub(super) fn left_out(l: &LeftOut) -> String {
     let first = match (l.count, l.first.as_str()) {
         (_, "") => String::new(),
         (1, first) => format!(" ({first})"),

@@ -1,6 +1,8 @@
 //! `nappe info`.
 
 use super::figures;
+use super::info_file;
+use super::rates::Rates;
 use super::report::{ReportFormat, certainty_json, measured_json};
 use crate::failure::{Failure, Problem};
 use crate::model::ModelArgs;
@@ -18,13 +20,14 @@ use nappe::measure::{
 use nappe::mesh::{Certainty, Joints, joints};
 use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_exchange::Format;
-use nappe_model::{Model, NamedSurface};
+use nappe_model::{Model, NamedSurface, Velocities};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Tell what is in a model: surfaces, degrees, exactness, box, area, enclosed volume, centroids, inertia, curvature
+/// Tell what is in a model: surfaces, degrees, exactness, box, area, enclosed volume, centroids, inertia, curvature; or in
+/// a file of another system
 ///
 /// Every number is given with its error: proven, or estimated where that is said. Curvature is signed by the normal
 /// r_u × r_v: where the surface bends towards it the mean curvature is positive.
@@ -32,15 +35,25 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// The room for a tool is the radius of the largest ball that touches a surface from the side of its normal, or from
 /// behind, without being stopped by its curvature or a crease in it; where it meets others is not looked at. Inertia is that of a solid of density 1 about its centroid.
 ///
+/// Derivatives by a parameter are exact formulas and not differences; curvature and room for a tool have none. Where
+/// the surfaces touch a face of the box in several places its derivatives to either side are in a range. A surface
+/// whose motion is not known is named, and what depends on it is not told.
+///
 /// Sides are one, and surfaces closed, if the mesh would join them: within a twentieth of its tolerance. Surfaces that
 /// close up make a shell; its volume is what it encloses unless surfaces pass through themselves or each other, which
 /// `nappe check` tells. The volumes of several shells are added only if their boxes prove them to lie beside each other.
+///
+/// Of .step .stp .igs .iges files it tells unit, solids, sheets, curves and points, faces by what their surfaces are, box,
+/// area, volume, what the reader left out and what is wrong; of .stl .obj .ply .glb .gltf .3mf files the triangles, and
+/// whether they close.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
   nappe info vase.nappe.toml
   nappe info vase.nappe.toml --bending
-  nappe info vase.nappe.toml --set height=300 --format json")]
+  nappe info torus.nappe.toml --sensitivity major --sensitivity minor
+  nappe info vase.nappe.toml --set height=300 --format json
+  nappe info part.step")]
 pub(crate) struct Args {
     #[command(flatten)]
     model: ModelArgs,
@@ -50,13 +63,18 @@ pub(crate) struct Args {
     #[arg(long)]
     bending: bool,
 
+    /// Also how box, area, volume, centroids and moments change with a parameter: their derivatives; may be given
+    /// several times
+    #[arg(long, value_name = "PARAMETER")]
+    sensitivity: Vec<String>,
+
     /// A report for people, or JSON for programs
     #[arg(long, default_value = "text")]
     format: ReportFormat,
 }
 
 /// A report is read by people who wait for it: a few digits, each proven, rather than all.
-const INTEGRALS: IntegralOptions = IntegralOptions {
+pub(super) const INTEGRALS: IntegralOptions = IntegralOptions {
     relative: 1e-6,
     budget: 2000,
 };
@@ -74,39 +92,87 @@ const SEARCH: SearchOptions = SearchOptions {
 
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
+        if nappe_exchange::read::can_read(self.model.path()) {
+            return self.file(screen);
+        }
         refuse_other_formats(&self.model)?;
         let model = self.model.open(screen)?;
+        let velocities = self.velocities(&model)?;
         let facts = Facts::of(&model, self.bending, screen);
+        let rates: Vec<Rates> = velocities
+            .iter()
+            .map(|v| Rates::of(&model, v, &facts))
+            .collect();
         let text = match self.format {
-            ReportFormat::Text => facts.text(&model),
-            ReportFormat::Json => format!("{:#}\n", facts.json(&model)),
+            ReportFormat::Text => {
+                let mut text = facts.text(&model);
+                for r in &rates {
+                    text.push_str(&format!("\n{}", r.text(&model)));
+                }
+                text
+            }
+            ReportFormat::Json => {
+                let mut all = facts.json(&model);
+                if !rates.is_empty() {
+                    all["sensitivities"] = rates.iter().map(|r| r.json(&model)).collect();
+                }
+                format!("{all:#}\n")
+            }
         };
         Ok(io::stdout().lock().write_all(text.as_bytes())?)
     }
 }
 
-/// A mesh or a STEP file is not a model: to say so is kinder than to call it wrong TOML.
+impl Args {
+    /// The report on a file of another system.
+    fn file(&self, screen: &Screen) -> Result<(), Failure> {
+        if self.bending || !self.sensitivity.is_empty() || self.model.sets_parameters() {
+            let path = self.model.path().display();
+            return Err(Failure::usage(format!(
+                "{path} is no model file: --set, --bending and --sensitivity are for models"
+            )));
+        }
+        let text = info_file::report(self.model.path(), self.format, screen)?;
+        Ok(io::stdout().lock().write_all(text.as_bytes())?)
+    }
+
+    /// How the objects move with each parameter that is asked for.
+    fn velocities(&self, model: &Model) -> Result<Vec<Velocities>, Failure> {
+        let overrides = self.model.overrides()?;
+        let each = self.sensitivity.iter();
+        each.map(|p| {
+            nappe_model::velocities(model, &overrides, p).map_err(|d| Failure::Model(Box::new(d)))
+        })
+        .collect()
+    }
+}
+
+/// Files that are written only, such as pictures, are not models: to say so is kinder than to call them wrong TOML.
 fn refuse_other_formats(model: &ModelArgs) -> Result<(), Problem> {
     let ending = model.path().extension().unwrap_or_default();
     let ending = ending.to_string_lossy().to_ascii_lowercase();
-    let exact = ["step", "stp", "iges", "igs"].contains(&ending.as_str());
-    if !exact && !Format::ALL.iter().any(|f| f.ending() == ending) {
+    if !Format::ALL.iter().any(|f| f.ending() == ending) {
         return Ok(());
     }
     Err(Problem::new(format!(
-        "{}: .{ending} files cannot be read yet",
+        "{}: .{ending} files cannot be read",
         model.path().display()
     ))
-    .help("`nappe info` reads model files, *.nappe.toml"))
+    .help(format!(
+        "`nappe info` reads model files, *.nappe.toml, and {}",
+        nappe_exchange::read::endings()
+    )))
 }
 
 /// What is said of a whole model.
-struct Facts {
+pub(super) struct Facts {
     surfaces: Vec<SurfaceFacts>,
     /// `None` if a surface is torn.
-    area: Option<AreaCentroid>,
+    pub(super) area: Option<AreaCentroid>,
     /// What the closed shells enclose.
-    shells: Vec<Solid>,
+    pub(super) shells: Vec<Solid>,
+    /// The distance within which sides were joined.
+    pub(super) joined: f64,
     /// Why the other surfaces enclose nothing.
     not_closed: Vec<String>,
     /// True if the boxes of all shells are proven to be apart.
@@ -164,10 +230,16 @@ impl Facts {
                 .then(|| joint_centroid(&facts.iter().map(|f| f.area).collect::<Vec<_>>())),
             apart: are_apart(&closed, &facts),
             shells: closed,
+            joined,
             not_closed,
             extent: whole(&facts),
             surfaces: facts,
         }
+    }
+
+    /// The area of each surface.
+    pub(super) fn areas(&self) -> impl Iterator<Item = &AreaCentroid> {
+        self.surfaces.iter().map(|f| &f.area)
     }
 
     /// What all shells enclose, if that is known.
@@ -555,7 +627,7 @@ fn open(e: &VolumeError, named: &[&NamedSurface], unit: &str) -> String {
 }
 
 /// The names of a shell's surfaces; of many, the first and their number.
-fn members(shell: &Shell, named: &[&NamedSurface]) -> String {
+pub(super) fn members(shell: &Shell, named: &[&NamedSurface]) -> String {
     const MOST: usize = 4;
     let names = shell.surfaces.iter().take(MOST);
     let names: Vec<&str> = names.map(|f| named[f.0].name.as_str()).collect();
@@ -664,7 +736,7 @@ fn extreme_json(e: Extreme) -> Value {
     })
 }
 
-fn box_json(hull: Box3, certainty: Certainty) -> Value {
+pub(super) fn box_json(hull: Box3, certainty: Certainty) -> Value {
     json!({
         "min": hull.to_array().map(|i| i.lo),
         "max": hull.to_array().map(|i| i.hi),

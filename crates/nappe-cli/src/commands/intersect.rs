@@ -7,7 +7,7 @@ use crate::screen::Screen;
 use crate::table::{Cell, Column, OutputFormat};
 use nappe::Limit;
 use nappe::curve::CurveRef;
-use nappe::mesh::flatten;
+use nappe::mesh::{Certainty, flatten};
 use nappe::query::{
     CurveSurface, IntersectOptions, SurfaceCurve, SurfaceSurface, intersect, intersect_surfaces,
 };
@@ -27,10 +27,13 @@ const BOXES: usize = 100_000;
 ///
 /// All branches are found, closed ones included; none is lost, however small. Their points are put out: branch,x,y,z, the
 /// parameters u,v on the first surface and s,t on the second one, and error: how far the line through the points is from the
-/// exact curve at most. Notes tell the branches, and each place where it is not decided what the surfaces have in
-/// common, with its size: where they touch, coincide in a region, or cross at a vanishing angle.
+/// exact curve at most; nothing where that is not proven. Notes tell the branches, and each place where it is not decided what
+/// the surfaces have in common, with its size: where they touch, coincide in a region, or cross at a vanishing angle.
 ///
 /// For a curve and a surface each row is a proven point: t,u,v,x,y,z.
+///
+/// Where there are places that are not decided it fails (exit code 1) after everything that was found is put out: more may
+/// be there. Outside of them nothing is missing.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -79,7 +82,10 @@ pub(crate) struct Args {
 /// A table of numbers.
 struct Rows {
     columns: &'static [&'static str],
+    /// Not a number where there is nothing.
     numbers: Vec<f64>,
+    /// Whether nothing else can be anywhere.
+    decided: bool,
 }
 
 impl Args {
@@ -112,7 +118,12 @@ impl Args {
             let columns: Vec<Column> = rows.columns.iter().map(|c| Column::numbers(*c)).collect();
             let mut sink = format.sink(&columns, out)?;
             sink.rows(rows.numbers.len() / n, &|i, j| {
-                Cell::Number(rows.numbers[i * n + j])
+                let x = rows.numbers[i * n + j];
+                if x.is_nan() {
+                    Cell::Missing
+                } else {
+                    Cell::Number(x)
+                }
             })?;
             Ok(sink.finish()?)
         };
@@ -122,6 +133,11 @@ impl Args {
                 io::stdout(),
             )),
             Some(path) => output::write_with(path, |out| fill(out)),
+        }?;
+        if rows.decided {
+            Ok(())
+        } else {
+            Err(Failure::Verdict)
         }
     }
 
@@ -135,28 +151,51 @@ impl Args {
             .map_err(|e| Problem::new(e.to_string()).help("say another --tolerance"))?;
         let chord = self.tolerance.map_or(100.0 * found.tol, |t| 0.5 * t);
         tell(&found, screen);
+        let most = self.tolerance.unwrap_or(found.tol + chord);
         let mut numbers = Vec::new();
         for (k, branch) in found.branches.iter().enumerate() {
-            add(&mut numbers, k + 1, branch, chord)?;
+            match add(&mut numbers, k + 1, branch, chord)? {
+                None => screen.note(format!(
+                    "branch {}: how far its line is from the exact curve is not proven",
+                    k + 1
+                )),
+                // Rounding of the sum is no news.
+                Some(error) if error > most * (1.0 + 1e-9) => screen.note(format!(
+                    "branch {}: its line is within {} of the exact curve, more than the tolerance {}",
+                    k + 1,
+                    significant(error, 3),
+                    significant(most, 3)
+                )),
+                Some(_) => {}
+            }
         }
         Ok(Rows {
             columns: &["branch", "x", "y", "z", "u", "v", "s", "t", "error"],
             numbers,
+            decided: found.undecided.is_empty(),
         })
     }
 }
 
-/// The points of a branch.
+/// The greatest distance of a line from the exact curve, of which both are within some distances of a curve between them;
+/// `None` if one of these is only estimated.
+fn bound(distances: [Certainty; 2]) -> Option<f64> {
+    let proven = |c: &Certainty| !matches!(c, Certainty::Estimated(_));
+    let sum = distances[0].error() + distances[1].error();
+    (distances.iter().all(proven) && sum.is_finite()).then_some(sum)
+}
+
+/// Adds the points of a branch. Returns the bound of its error.
 fn add(
     numbers: &mut Vec<f64>,
     number: usize,
     branch: &SurfaceCurve,
     chord: f64,
-) -> Result<(), Failure> {
+) -> Result<Option<f64>, Failure> {
     let flat = flatten(branch.curve().as_ref(), chord, MOST_POINTS)
         .map_err(|e| Problem::new(e.to_string()).help("say a greater --tolerance"))?;
     let paths = [0, 1].map(|n| branch.in_parameters(n));
-    let error = branch.certainty.error() + flat.deviation.error();
+    let error = bound([branch.certainty, flat.deviation]);
     for (t, p) in flat.parameters.iter().zip(&flat.points) {
         let [uv, st] = paths
             .each_ref()
@@ -164,24 +203,24 @@ fn add(
         numbers.push(number as f64);
         numbers.extend(p.to_array());
         numbers.extend(uv.into_iter().chain(st));
-        numbers.push(error);
+        numbers.push(error.unwrap_or(f64::NAN));
     }
-    Ok(())
+    Ok(error)
 }
 
 /// Tells the branches, and what is not decided.
 fn tell(found: &SurfaceSurface, screen: &Screen) {
     let closed = found.branches.iter().filter(|b| b.is_closed()).count();
     let worst = found.branches.iter().map(|b| b.certainty.error());
+    let others = match found.undecided.len() {
+        0 => "there are no others".to_owned(),
+        1 => "1 place is not decided: there may be others there".to_owned(),
+        n => format!("{n} places are not decided: there may be others there"),
+    };
     screen.note(format!(
-        "{} branches, {closed} of them closed, each within {} of the exact curve{}",
+        "{} branches, {closed} of them closed, each within {} of the exact curve; {others}",
         found.branches.len(),
         significant(worst.fold(0.0, f64::max), 3),
-        if found.undecided.is_empty() {
-            "; there are no others"
-        } else {
-            ""
-        }
     ));
     for x in found.touches.iter().take(TOLD) {
         screen.note(format!("a side is touched at u = {}, v = {}", x[0], x[1]));
@@ -219,5 +258,21 @@ fn points(curve: &CurveRef, surface: &SurfaceRef, screen: &Screen) -> Rows {
     Rows {
         columns: &["t", "u", "v", "x", "y", "z"],
         numbers: points.iter().flat_map(row).collect(),
+        decided: undecided.is_empty(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_estimated_is_no_bound() {
+        use Certainty::{Bounded, Estimated, Exact};
+        assert_eq!(bound([Bounded(0.25), Bounded(0.5)]), Some(0.75));
+        assert_eq!(bound([Exact, Bounded(0.5)]), Some(0.5));
+        assert_eq!(bound([Bounded(0.25), Estimated(0.0)]), None);
+        assert_eq!(bound([Estimated(0.25), Exact]), None);
+        assert_eq!(bound([Bounded(f64::INFINITY), Exact]), None);
     }
 }

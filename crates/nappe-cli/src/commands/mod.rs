@@ -2,14 +2,17 @@
 
 mod build;
 mod check;
+mod closing;
 mod completions;
 mod convert;
 mod eval;
 mod examples;
 mod figures;
 mod info;
+mod info_file;
 mod intersect;
 mod project;
+mod rates;
 mod render;
 mod report;
 mod schema;

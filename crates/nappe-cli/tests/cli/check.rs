@@ -365,6 +365,71 @@ corners = [[[0, 2, {up}], [0, 3, {up}]], [[6, 2, {up}], [6, 3, {up}]]]
 }
 
 #[test]
+fn a_gap_at_the_end_of_sides_is_not_cut_away_from_a_claim() {
+    // The sides agree up to z = 0.98; from there one of them leans away by 0.003, three times what is claimed.
+    let model = |lean: f64, tall: f64| {
+        let rail = |y: f64| {
+            format!(
+                "{{ kind = \"polyline\", points = [[0, {y}, 0], [0, {y}, 0.98], [{lean}, {y}, {tall}]] }}"
+            )
+        };
+        format!(
+            r#"
+tolerance = 0.001
+[surfaces.a]
+kind = "bilinear"
+corners = [[[-1, 0, 0], [-1, 0, 1]], [[0, 0, 0], [0, 0, 1]]]
+[surfaces.b]
+kind = "ruled"
+south = {}
+north = {}
+{}"#,
+            rail(0.0),
+            rail(1.0),
+            claim("a.east", "b.south", "G0", "1e-3")
+        )
+    };
+    let (code, found) = claims_of(&model(0.003, 0.999));
+    assert_eq!(
+        (code, found[0]["passes"].as_bool()),
+        (1, Some(false)),
+        "{found:?}"
+    );
+    // One that only ends before is met from end to end.
+    let (code, found) = claims_of(&model(0.0, 0.99));
+    assert_eq!(
+        (code, found[0]["passes"].as_bool()),
+        (0, Some(true)),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn a_claim_of_sides_that_both_go_on_alone_must_say_that_it_means_a_part() {
+    // The upper wall was moved: a tenth of each side is on the other.
+    let model = r#"
+tolerance = 0.01
+[surfaces.a]
+kind = "bilinear"
+corners = [[[-1, 0, 0], [-1, 0, 1]], [[0, 0, 0], [0, 0, 1]]]
+[surfaces.b]
+kind = "bilinear"
+corners = [[[0, 0, 0.9], [0, 0, 1.9]], [[1, 0, 0.9], [1, 0, 1.9]]]
+"#;
+    let claim = claim("a.east", "b.west", "G1", "\"1deg\"");
+    let (code, found) = claims_of(&format!("{model}{claim}"));
+    assert_eq!((code, &found[0]["verdict"]), (1, &"only in part".into()));
+    assert_eq!(found[0]["passes"], false);
+    let (code, found) = claims_of(&format!("{model}{claim}in_part = true\n"));
+    assert_eq!((code, &found[0]["verdict"]), (0, &"proven".into()));
+    for k in 0..2 {
+        let along = &found[0]["stretches"][0]["along"][k];
+        let width = along[1].as_f64().unwrap() - along[0].as_f64().unwrap();
+        assert!((width - 0.1).abs() < 1e-9, "{along}");
+    }
+}
+
+#[test]
 fn closed_sides_that_start_at_different_points_are_tested_all_round() {
     // A cylinder and the cone that goes on from it, turned by a quarter: 45° between them, along two stretches.
     let model = r#"

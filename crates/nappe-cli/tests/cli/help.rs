@@ -47,7 +47,7 @@ fn a_wrong_command_line_is_exit_code_2() {
         "project a.toml --all --signed",
         "completions ksh",
         "examples a --write b",
-        "convert a b",
+        "convert a",
     ] {
         let run = folder.nappe(args);
         assert_eq!(run.code, 2, "`nappe {args}`: {}", run.stderr);

@@ -135,15 +135,14 @@ corners = [[[0, 0, 0], [0, 1, 0]], [[2, 0, 0], [2, 1, 0]]]
 #[test]
 fn other_files_are_refused_with_a_reason() {
     let folder = Folder::new();
-    folder.write("a.stl", "solid");
+    folder.write("a.vtu", "<VTKFile>");
     folder.write("b.step", "ISO-10303-21;");
-    for name in ["a.stl", "b.step"] {
+    for (name, said) in [
+        ("a.vtu", ".vtu files cannot be read"),
+        ("b.step", "b.step: "),
+    ] {
         let run = folder.nappe(&format!("info {name}"));
-        assert!(
-            run.problem().contains("cannot be read yet"),
-            "{}",
-            run.stderr
-        );
+        assert!(run.problem().contains(said), "{}", run.stderr);
     }
 }
 
@@ -246,4 +245,109 @@ fn info_and_check_agree_on_what_is_closed() {
             assert_measured(&info["volume"], 4.0 / 3.0 * PI);
         }
     }
+}
+
+#[test]
+fn derivatives_by_a_parameter() {
+    // With uniform parameters the corners of the profile stay where they are along it, else they move.
+    let uniform = MODEL.replace(
+        "[0, 0, 0]] }",
+        "[0, 0, 0]], parametrization = \"uniform\" }",
+    );
+    assert_ne!(uniform, MODEL);
+    derivatives_of_a_can(&Folder::with_model(&uniform));
+    derivatives_of_a_can(&Folder::with_model(MODEL));
+}
+
+fn derivatives_of_a_can(folder: &Folder) {
+    let info = json(folder, "--sensitivity r --sensitivity h");
+    let [by_r, by_h] = [0, 1].map(|k| &info["sensitivities"][k]);
+    let r = 2.0;
+    assert_eq!(by_r["parameter"], "r");
+    assert_eq!(by_r["value"], r);
+    // h = r + 1 follows r; by itself it is taken as a number.
+    assert_measured(&by_r["area"], 8.0 * PI * r + 2.0 * PI);
+    assert_measured(&by_h["area"], 2.0 * PI * r);
+    assert_measured(&by_r["shells"][0]["volume"], PI * (3.0 * r * r + 2.0 * r));
+    assert_measured(&by_h["shells"][0]["volume"], PI * r * r);
+    assert_measured(&by_h["shells"][0]["centroid"][2], 0.5);
+    for (end, truth) in [("min", [-1.0, -1.0, 0.0]), ("max", [1.0, 1.0, 1.0])] {
+        for (axis, truth) in truth.into_iter().enumerate() {
+            let face = &by_r["box"][end][axis];
+            let [lo, hi] = [0, 1].map(|k| face["range"][k].as_f64().unwrap());
+            assert!(
+                lo <= truth && truth <= hi && hi - lo < 1e-3,
+                "{end} {axis}: {face}"
+            );
+            assert_eq!(face["one_sided"], false);
+        }
+    }
+    let report = folder.nappe("info model.nappe.toml --sensitivity h");
+    let report = report.data();
+    assert!(report.contains("derivatives by"), "{report}");
+}
+
+#[test]
+fn what_has_no_derivative_is_told_by_name() {
+    let text = MODEL.replace(
+        "polyline\", points = [[0, 0, \"h\"], [\"r\", 0, \"h\"], [\"r\", 0, 0], [0, 0, 0]]",
+        "arc\", through = [[1, 0, 0], [\"r\", 0, 1], [1, 0, 2]]",
+    );
+    assert_ne!(text, MODEL);
+    let folder = Folder::with_model(&text);
+    let info = json(&folder, "--sensitivity r");
+    let by_r = &info["sensitivities"][0];
+    let surface = &by_r["surfaces"][0];
+    assert_eq!(surface["motion"], "unknown");
+    let why = surface["why"].as_str().unwrap();
+    assert!(why.contains("the kind \"arc\""), "{why}");
+    for key in ["area", "box", "centroid"] {
+        assert_eq!(by_r[key], Value::Null);
+    }
+    assert_eq!(by_r["shells"][0], Value::Null);
+    let run = folder.nappe("info model.nappe.toml --sensitivity radius");
+    let problem = run.problem();
+    assert!(
+        problem.contains("there is no parameter `radius`"),
+        "{problem}"
+    );
+}
+
+#[test]
+fn a_joint_that_opens_is_told_by_name() {
+    let folder = Folder::with_model(
+        r#"
+[params]
+gap = 0
+[surfaces.ball]
+kind = "revolution"
+profile = { kind = "arc", center = [0, 0, 0], radius = 1, normal = "y", from = "-90deg", to = "90deg" }
+start = "gap deg"
+angle = "180deg"
+[surfaces.rest]
+kind = "revolution"
+profile = { kind = "arc", center = [0, 0, 0], radius = 1, normal = "y", from = "-90deg", to = "90deg" }
+start = "180deg"
+angle = "180deg"
+"#,
+    );
+    let info = json(&folder, "--sensitivity gap");
+    assert_measured(&info["volume"], 4.0 / 3.0 * PI);
+    let by = &info["sensitivities"][0];
+    let shell = &by["shells"][0];
+    assert_eq!(shell["volume"], Value::Null);
+    let why = shell["why"].as_str().unwrap();
+    assert!(
+        why.contains("ball.") && why.contains("rest.") && why.contains("0.0175"),
+        "{why}"
+    );
+    // The area needs no closed shell.
+    let area = by["area"]["value"].as_f64().unwrap();
+    assert!(area.abs() < 1e-6, "{area}");
+    let report = folder.nappe("info model.nappe.toml --sensitivity gap");
+    assert!(
+        report.data().contains("part at a speed of 0.0175"),
+        "{}",
+        report.data()
+    );
 }

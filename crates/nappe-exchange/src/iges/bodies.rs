@@ -71,7 +71,10 @@ impl<'a> Builder<'a> {
         for _ in 0..r.count(2)? {
             let (face, own) = (r.int()?, r.int()? != 0);
             match self.face(face) {
-                Ok(index) => shell.faces.push((index, own == agrees)),
+                Ok(index) => {
+                    let mirrored = self.mirrors(face)?;
+                    shell.faces.push((index, (own == agrees) != mirrored));
+                }
                 Err(why) => {
                     all = false;
                     self.left.push((face, why));
@@ -85,6 +88,12 @@ impl<'a> Builder<'a> {
         }
         self.body.shells.push(shell);
         Ok(())
+    }
+
+    /// Whether a face is placed by a mirror: its image has the normal of its own parameters, on the other side.
+    fn mirrors(&self, face: i64) -> Got<bool> {
+        let map = self.map * self.space.placement(self.space.entry(face)?)?;
+        Ok(map.matrix3.determinant() < 0.0)
     }
 
     /// 510.

@@ -15,6 +15,11 @@ pub(super) const SAME_PARAMETER: f64 = 1e-12;
 /// The pieces of a parametric spline may be this far apart, relative to their size: files of ten digits pass.
 const SAME_POINT: f64 = 1e-8;
 
+/// A turn of fewer radians is none, or a whole one.
+const WHOLE: f64 = 1e-9;
+/// The ends of an arc may differ so much, relative to its radius: files have as few as five digits.
+const UNEVEN: f64 = 1e-3;
+
 /// The curves that hold this kind.
 pub(super) fn is_curve(entry: &Entry) -> bool {
     match entry.kind {
@@ -99,7 +104,7 @@ pub(super) fn text(e: impl ToString) -> String {
 }
 
 /// The image under a map.
-pub(super) fn placed(curve: CurveRef, map: DAffine3) -> Got<CurveRef> {
+pub(crate) fn placed(curve: CurveRef, map: DAffine3) -> Got<CurveRef> {
     if map == DAffine3::IDENTITY {
         return Ok(curve);
     }
@@ -118,8 +123,18 @@ fn circle(r: &mut Record) -> Got<Ellipse> {
     let first = a.y.atan2(a.x);
     // The turn from one to the other.
     let mut turn = (a.x * b.y - a.y * b.x).atan2(a.x * b.x + a.y * b.y);
-    if turn <= 0.0 {
+    // Ends that are one but for rounding are those of the whole circle.
+    if turn.abs() < WHOLE {
+        turn = TAU;
+    } else if turn < 0.0 {
         turn += TAU;
+    }
+    if (a.length() - b.length()).abs() > UNEVEN * a.length() {
+        return Err(format!(
+            "an arc whose ends are {} and {} from its centre",
+            a.length(),
+            b.length()
+        ));
     }
     let options = EllipseOptions {
         from: first,
@@ -213,6 +228,7 @@ fn nurbs(r: &mut Record) -> Got<NurbsCurve> {
     let count = r.fits(k.saturating_add(1), 5)?;
     let degree = r.fits(degree, 1)?;
     r.skip(4);
+    r.has((count + degree + 1).saturating_add(count.saturating_mul(4)))?;
     let knots = r.reals(count + degree + 1)?;
     let weights = r.reals(count)?;
     let points = r.points(count)?;

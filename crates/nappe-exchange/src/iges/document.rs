@@ -6,7 +6,7 @@ use super::file::{Entry, File};
 use super::record::Got;
 use super::space::{DEEPEST, Space};
 use super::surfaces::is_surface;
-use crate::document::{Document, Item, ItemForm, LeftOut};
+use crate::document::{Document, Item, ItemForm, note};
 use crate::read::Fault;
 use glam::{DAffine3, DVec3};
 use nappe::body::Shell;
@@ -30,20 +30,30 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Document, Fault> {
             &mut out.left_out,
             format!("model space scale {scale}"),
             why,
-            0,
+            String::new(),
+        );
+    }
+    if let Some(unit) = &space.unknown_unit {
+        let why = "it is not known, and inches are taken in its place".into();
+        note(
+            &mut out.left_out,
+            format!("unit `{unit}`"),
+            why,
+            String::new(),
         );
     }
     let parts = parts(&space);
     let map = DAffine3::from_scale(DVec3::splat(space.scale));
     for (i, entry) in space.file.entries.iter().enumerate() {
         // That an entity is part of another is seen where it is named: programs also mark single faces so.
-        if parts[i] || is_silent(entry) {
+        if parts[i] || is_helper(entry) {
             continue;
         }
         let number = 2 * i as i64 + 1;
         let aside = match (entry.blanked, entry.purpose) {
             (true, _) => Some("it is blanked"),
             (_, 1) => Some("it is an annotation"),
+            (_, 2..=5) => Some("its use is that of a part of others, but nothing uses it"),
             _ => None,
         };
         if let Some(why) = aside {
@@ -58,12 +68,11 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Document, Fault> {
 }
 
 /// What says something of others, and is nothing by itself.
-fn is_silent(entry: &Entry) -> bool {
-    let helper = matches!(
+fn is_helper(entry: &Entry) -> bool {
+    matches!(
         entry.kind,
         0 | 123 | 124 | 132 | 308 | 310 | 314 | 402 | 404 | 406 | 410 | 502 | 504 | 508 | 141 | 142
-    );
-    helper || matches!(entry.purpose, 2..=5)
+    )
 }
 
 fn left(out: &mut Document, entry: &Entry, number: i64, why: String) {
@@ -71,25 +80,8 @@ fn left(out: &mut Document, entry: &Entry, number: i64, why: String) {
         &mut out.left_out,
         format!("entity {}", entry.kind),
         why,
-        number,
+        format!("D{number}"),
     );
-}
-
-fn note(list: &mut Vec<LeftOut>, what: String, why: String, number: i64) {
-    if let Some(l) = list.iter_mut().find(|l| l.what == what && l.why == why) {
-        l.count += 1;
-        return;
-    }
-    list.push(LeftOut {
-        what,
-        why,
-        count: 1,
-        first: if number > 0 {
-            format!("D{number}")
-        } else {
-            String::new()
-        },
-    });
 }
 
 /// Which entities are named by others as their parts.
@@ -370,11 +362,7 @@ fn instance(
 
 /// Parts of a subfigure have the purpose of a definition.
 fn is_silent_part(entry: &Entry) -> bool {
-    let own = Entry {
-        purpose: 0,
-        ..entry.clone()
-    };
-    is_silent(&own) || matches!(entry.purpose, 1 | 5)
+    is_helper(entry) || matches!(entry.purpose, 1 | 5)
 }
 
 impl Space {

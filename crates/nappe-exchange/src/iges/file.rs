@@ -34,7 +34,7 @@ pub(super) struct File {
     pub(super) global: Vec<Param>,
     pub(super) entries: Vec<Entry>,
     /// All parameter data, 64 columns for each line.
-    text: Vec<u8>,
+    pub(super) text: Vec<u8>,
     delimiters: [u8; 2],
 }
 

@@ -151,6 +151,17 @@ impl Record {
         }
     }
 
+    /// Fails unless so many parameters are there, none of them missing at the end.
+    pub(super) fn has(&self, n: usize) -> Got<()> {
+        if n <= self.left() {
+            return Ok(());
+        }
+        Err(format!(
+            "it ends after {} of {n} numbers of its net",
+            self.left()
+        ))
+    }
+
     pub(super) fn reals(&mut self, n: usize) -> Got<Vec<f64>> {
         (0..n).map(|_| self.real()).collect()
     }

@@ -18,14 +18,19 @@ pub(super) struct Space {
     pub(super) scale: f64,
     pub(super) uncertainty: Option<f64>,
     pub(super) name: Option<String>,
+    /// The unit that the file names, if it is not known: it is taken for inches then.
+    pub(super) unknown_unit: Option<String>,
     /// The model space scale, if it is not 1.
     pub(super) model_scale: Option<f64>,
-    /// Entities that may still be made: subfigures that are placed many times could otherwise fill the memory.
+    /// Entities and parameters that may still be read: subfigures that are placed many times could otherwise fill the
+    /// memory.
     left: Cell<usize>,
 }
 
-/// Entities made for each that the file has, and besides.
-const WORK: [usize; 2] = [64, 100_000];
+/// Entities and parameters read for each that the file has, and besides.
+const WORK: [usize; 2] = [64, 1_000_000];
+/// The bytes of the shortest parameter.
+const SHORTEST: usize = 2;
 
 impl Space {
     pub(super) fn new(file: File) -> Space {
@@ -52,13 +57,27 @@ impl Space {
             // The default of the standard.
             _ => (Units::Inch, 1.0),
         };
+        let known = match flag {
+            3 => [
+                "IN", "INCH", "FT", "MI", "M", "KM", "MIL", "UM", "CM", "UIN", "MM",
+            ]
+            .contains(&named.as_str()),
+            // Left out, it is the default.
+            0 => !matches!(file.global.get(11), Some(Param::Text(t)) if !t.trim().is_empty()),
+            n => (1..=11).contains(&n),
+        };
+        let unknown_unit = (!known).then(|| match text(15) {
+            Some(name) => crate::text::line(&name),
+            None => format!("flag {flag}"),
+        });
         Space {
             units,
             scale,
+            unknown_unit,
             uncertainty: number(19).filter(|x| *x > 0.0).map(|x| x * scale),
             name: text(3).or_else(|| text(4)),
             model_scale: number(13).filter(|x| *x != 1.0 && *x > 0.0),
-            left: Cell::new(WORK[0] * file.entries.len() + WORK[1]),
+            left: Cell::new(WORK[0] * (file.entries.len() + file.text.len() / SHORTEST) + WORK[1]),
             file,
         }
     }
@@ -87,8 +106,8 @@ impl Space {
                     .into(),
             );
         }
-        self.left.set(left - 1);
         let params = self.file.params(entry).map_err(|f| f.what)?;
+        self.left.set(left.saturating_sub(1 + params.len()));
         match params.first() {
             Some(Param::Number(k)) if *k == entry.kind as f64 => Ok((entry, Record::new(params))),
             _ => Err(format!(

@@ -205,6 +205,8 @@ fn nurbs(r: &mut Record) -> Got<NurbsSurface> {
         .and_then(|n| i64::try_from(n).ok());
     let count = r.fits(count.ok_or("its net is too large")?, 4)?;
     r.skip(5);
+    let knots = rows + degree[0] + columns + degree[1] + 2;
+    r.has(knots.saturating_add(count.saturating_mul(4)))?;
     let knots = [
         r.reals(rows + degree[0] + 1)?,
         r.reals(columns + degree[1] + 1)?,

@@ -394,3 +394,107 @@ fn a_sphere_is_a_solid_and_comes_back_as_one() {
     let normal = jet.d[1].cross(jet.d[2]) * if outward { 1.0 } else { -1.0 };
     assert!(normal.dot(jet.d[0]) > 0.0);
 }
+
+#[test]
+fn a_mirrored_solid_keeps_its_inside() {
+    let volume = |matrix: u32| {
+        let d = read(&file(&[
+            (110, 0, 0, "00010000", "0.,0.,0.,0.,1.,0."),
+            (100, 0, 0, "00010000", "0.,3.,0.,4.,0.,4.,0."),
+            (120, 0, 0, "00010000", "1,3,0.,6.28318530717959"),
+            (510, 1, 0, "00010000", "5,0,0"),
+            (514, 1, 0, "00010000", "1,7,1"),
+            (186, 0, matrix, "00000000", "9,1,0"),
+            (
+                124,
+                0,
+                0,
+                "00010000",
+                "-1.,0.,0.,9.,0.,1.,0.,0.,0.,0.,1.,0.",
+            ),
+        ]))
+        .unwrap();
+        assert!(d.left_out.is_empty(), "{:?}", d.left_out);
+        let found = nappe::body::figures(body(&d, 0)).unwrap();
+        found.volumes[0].as_ref().unwrap().value
+    };
+    let (plain, mirrored) = (volume(0), volume(13));
+    // Pappus: the area of the circle times the way of its centre.
+    assert!((plain.abs() - 6.0 * PI * PI).abs() < 1e-6, "{plain}");
+    assert!((mirrored - plain).abs() < 1e-6, "{mirrored} {plain}");
+}
+
+#[test]
+fn what_is_cut_short_unused_or_unknown_is_told() {
+    let lines = [
+        (
+            126,
+            0,
+            0,
+            "00000000",
+            "1,1,0,0,1,0,0.,0.,1.,1.,1.,1.,0.,0.,0.,1.",
+        ),
+        (110, 0, 0, "00000300", "0.,0.,0.,1.,0.,0."),
+        (100, 0, 0, "00000000", "0.,0.,0.,1.,0.,5.,0."),
+        (100, 0, 0, "00000000", "0.,0.,0.,1.,0.,1.,1D-17"),
+    ];
+    let d = read(&file(&lines)).unwrap();
+    let why: Vec<&str> = d.left_out.iter().map(|l| l.why.as_str()).collect();
+    assert!(why.len() == 3 && why[0].contains("10 of 12"), "{why:?}");
+    assert!(why[1].contains("nothing uses it") && why[2].contains("from its centre"));
+    // Ends that differ by rounding are those of a whole circle.
+    assert!(
+        curve(&d, 0)
+            .point(curve(&d, 0).domain().mid())
+            .distance(-DVec3::X)
+            < 1e-14
+    );
+    let text = String::from_utf8(file(&lines)).unwrap();
+    let other = text.replace("2,2HMM,1,0.01,,", "3,3HFOO,1,.01,,");
+    assert_ne!(text, other);
+    let d = read(other.as_bytes()).unwrap();
+    assert_eq!(
+        (d.left_out[0].what.as_str(), d.units),
+        ("unit `FOO`", nappe::Units::Inch)
+    );
+}
+
+#[test]
+fn large_entities_placed_many_times_are_refused() {
+    let count = 2000;
+    let mut spline = format!("{},1,0,0,1,0,0.", count - 1);
+    (0..count).for_each(|i| spline += &format!(",{i}."));
+    spline += &format!(",{}.", count - 1);
+    spline += &",1.".repeat(count);
+    (0..count).for_each(|i| spline += &format!(",{i}.,0.,0."));
+    let mut texts = vec![(126, spline, "00020200")];
+    // Each subfigure places the one before it twice: 2²⁰ curves.
+    for level in 0..20 {
+        let d = texts.len() * 2 + 1;
+        let part = if level == 0 {
+            "1,1".to_owned()
+        } else {
+            format!("2,{},{}", d - 4, d - 2)
+        };
+        texts.push((308, format!("0,1Ha,{part}"), "00000200"));
+        texts.push((408, format!("{d},0.,0.,0."), "00010000"));
+        texts.push((
+            408,
+            format!("{d},0.,0.,1."),
+            if level == 19 { "00000000" } else { "00010000" },
+        ));
+    }
+    let entities: Vec<_> = texts
+        .iter()
+        .map(|(kind, text, status)| (*kind, 0, 0, *status, text.as_str()))
+        .collect();
+    let d = read(&file(&entities)).unwrap();
+    assert!(d.items.len() < 1000, "{}", d.items.len());
+    assert!(
+        d.left_out
+            .iter()
+            .any(|l| l.why.contains("out of proportion")),
+        "{:?}",
+        d.left_out
+    );
+}

@@ -6,6 +6,7 @@
 
 use super::out::Out;
 use crate::atomic::write_atomically;
+use crate::hollow::hollow;
 use crate::{Document, ExchangeError, Item, ItemForm};
 use glam::DVec3;
 use nappe::body::{Body, Coedge, Loop};
@@ -316,6 +317,8 @@ impl Writer {
             self.out.style(d, &name, colour);
             faces.push(d);
         }
+        let hollow = hollow(body);
+        let mut around = Vec::new();
         for shell in &body.shells {
             let status = if shell.closed { PART } else { WHOLE };
             let form = if shell.closed { 1 } else { 2 };
@@ -326,6 +329,10 @@ impl Writer {
                     r.int(usize::from(*agrees == body.faces[*face].forward));
                 }
             });
+            if hollow {
+                around.push(d);
+                continue;
+            }
             let d = if shell.closed {
                 self.report.bodies[0] += 1;
                 self.out.entity(186, 0, WHOLE, |r| {
@@ -335,6 +342,17 @@ impl Writer {
                 self.report.bodies[1] += 1;
                 d
             };
+            self.out.style(d, &item.name, item.colour);
+        }
+        if hollow {
+            // The shell around the solid, then those around its holes; each has the normals of the solid.
+            self.report.bodies[0] += 1;
+            let d = self.out.entity(186, 0, WHOLE, |r| {
+                [around[0], 1, around.len() - 1]
+                    .into_iter()
+                    .chain(around[1..].iter().flat_map(|d| [*d, 1]))
+                    .for_each(|x| r.int(x));
+            });
             self.out.style(d, &item.name, item.colour);
         }
         Ok(())

@@ -16,6 +16,7 @@ use base64::Engine as _;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use nappe::Units;
 use serde::Deserialize;
+use std::borrow::Cow;
 use std::path::{Component, Path};
 
 #[derive(Deserialize, Default)]
@@ -252,41 +253,49 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Fault> {
     Ok((text, blob))
 }
 
-fn buffer(
+fn buffer<'a>(
     index: usize,
     b: &Buffer,
-    blob: Option<&[u8]>,
+    blob: Option<&'a [u8]>,
     folder: Option<&Path>,
-) -> Result<Vec<u8>, Fault> {
+) -> Result<Cow<'a, [u8]>, Fault> {
     let fault = |what: String| Fault::part(format!("buffer {index}"), what);
-    let data = match b.uri.as_deref() {
-        None => blob
-            .ok_or_else(|| fault("it is in the file's binary chunk, but there is none".into()))?
-            .to_vec(),
-        Some(uri) if uri.starts_with("data:") => {
-            let text = uri
-                .split_once(";base64,")
-                .ok_or_else(|| fault("its data is not in base64".into()))?
-                .1;
-            base64::engine::general_purpose::STANDARD
-                .decode(text)
-                .map_err(|e| fault(format!("its data is not base64: {e}")))?
-        }
-        Some(uri) => {
-            let name = Path::new(uri);
-            let plain = name.components().all(|c| matches!(c, Component::Normal(_)));
-            // Only files beside this one: a file from elsewhere must not make us open anything.
-            let folder = folder.filter(|_| plain && !uri.contains(':'));
-            let folder = folder.ok_or_else(|| {
-                fault(format!(
-                    "its numbers are in `{}`; only files beside the .gltf are opened",
-                    super::shown(uri)
-                ))
-            })?;
-            std::fs::read(folder.join(name))
-                .map_err(|e| fault(format!("could not read `{}`: {e}", super::shown(uri))))?
-        }
-    };
+    let data =
+        match b.uri.as_deref() {
+            None if index > 0 => {
+                return Err(fault(
+                    "it has no data: only the first buffer can be the file's binary chunk".into(),
+                ));
+            }
+            None => Cow::Borrowed(blob.ok_or_else(|| {
+                fault("it is in the file's binary chunk, but there is none".into())
+            })?),
+            Some(uri) if uri.starts_with("data:") => {
+                let text = uri
+                    .split_once(";base64,")
+                    .ok_or_else(|| fault("its data is not in base64".into()))?
+                    .1;
+                let data = base64::engine::general_purpose::STANDARD
+                    .decode(text)
+                    .map_err(|e| fault(format!("its data is not base64: {e}")))?;
+                Cow::Owned(data)
+            }
+            Some(uri) => {
+                let name = Path::new(uri);
+                let plain = name.components().all(|c| matches!(c, Component::Normal(_)));
+                // Only files beside this one: a file from elsewhere must not make us open anything.
+                let folder = folder.filter(|_| plain && !uri.contains(':'));
+                let folder = folder.ok_or_else(|| {
+                    fault(format!(
+                        "its numbers are in `{}`; only files beside the .gltf are opened",
+                        super::shown(uri)
+                    ))
+                })?;
+                let data = std::fs::read(folder.join(name))
+                    .map_err(|e| fault(format!("could not read `{}`: {e}", super::shown(uri))))?;
+                Cow::Owned(data)
+            }
+        };
     if data.len() < b.byte_length {
         return Err(fault(format!(
             "it should have {} bytes, but there are {}: the file is cut off",
@@ -299,7 +308,7 @@ fn buffer(
 
 struct Reader<'a> {
     root: &'a Root,
-    buffers: &'a [Vec<u8>],
+    buffers: &'a [Cow<'a, [u8]>],
     seen: Vec<bool>,
     /// Triangles and points of lines that may still come.
     left: usize,

@@ -13,7 +13,7 @@ use nappe::Units;
 pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, Fault> {
     let text = String::from_utf8_lossy(bytes);
     let mut mesh = TriangleMesh::default();
-    let (mut name, mut shapes) = (String::new(), 0);
+    let (mut name, mut shapes, mut crossed) = (String::new(), 0, 0);
     let mut open = false;
     let mut lines = text.lines().enumerate();
     let mut joined = String::new();
@@ -54,7 +54,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, Fault> {
             Some("f") => {
                 let corners = corners(words, mesh.points.len()).map_err(|e| Fault::line(n, e))?;
                 let points: Vec<DVec3> = corners.iter().map(|&c| mesh.points[c as usize]).collect();
-                let cut = triangulate(&points).map_err(|e| Fault::line(n, e))?;
+                let (cut, crosses) = triangulate(&points).map_err(|e| Fault::line(n, e))?;
+                crossed += usize::from(crosses);
                 if !open {
                     open = true;
                     mesh.groups.push(Group {
@@ -89,6 +90,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, Fault> {
     if shapes > 0 {
         mesh.notes.push(format!("{shapes} free-form curves and surfaces were left out: of .obj files triangles and lines are read."));
     }
+    mesh.notes.extend(super::polygon::note(crossed));
     Ok(mesh)
 }
 

@@ -317,6 +317,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, Fault> {
         );
     }
     let mut groups: HashMap<Style, usize> = HashMap::new();
+    let mut crossed = 0;
     for (number, (corners, style)) in faces.into_iter().enumerate() {
         let fault = |what: String| Fault::part(format!("face {number}"), what);
         let count = mesh.points.len();
@@ -326,7 +327,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, Fault> {
             )));
         }
         let points: Vec<DVec3> = corners.iter().map(|&c| mesh.points[c as usize]).collect();
-        let cut = triangulate(&points).map_err(fault)?;
+        let (cut, crosses) = triangulate(&points).map_err(fault)?;
+        crossed += usize::from(crosses);
         let group = *groups.entry(style).or_insert_with(|| {
             mesh.groups.push(Group {
                 name: style
@@ -342,6 +344,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, Fault> {
         let global = cut.into_iter().map(|t| t.map(|k| corners[k as usize]));
         mesh.groups[group].triangles.extend(global);
     }
+    mesh.notes.extend(super::polygon::note(crossed));
     Ok(mesh)
 }
 

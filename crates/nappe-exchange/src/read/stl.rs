@@ -120,7 +120,13 @@ fn text(bytes: &[u8]) -> Result<TriangleMesh, Fault> {
                 };
                 corners.push(DVec3::new(x, y, z));
             }
-            "facet" => corners.clear(),
+            "facet" if !corners.is_empty() => {
+                return Err(Fault::line(
+                    n,
+                    "a facet begins inside another; `endfacet` is missing",
+                ));
+            }
+            "facet" => {}
             "endfacet" => {
                 let [a, b, c] = corners[..] else {
                     let count = corners.len();

@@ -200,7 +200,19 @@ fn faults_say_where() {
             "node 0",
             "tree",
         ),
+        (
+            "gltf",
+            "{\"buffers\":[{\"byteLength\":0,\"uri\":\"data:;base64,\"},{\"byteLength\":0}]}",
+            "buffer 1",
+            "only the first",
+        ),
         ("3mf", "PK nothing", "", "zip"),
+        (
+            "stl",
+            "solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nfacet\n",
+            "line 6",
+            "endfacet",
+        ),
         ("doc", "", "", ".stl"),
     ] {
         let e = fault(ending, text.as_bytes());

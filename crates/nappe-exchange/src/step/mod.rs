@@ -5,5 +5,6 @@ mod read;
 mod write;
 
 pub use error::StepError;
+pub(crate) use read::Course;
 pub use read::{StepFile, read};
 pub use write::{Schema, StepOptions, StepReport, write};

@@ -101,7 +101,7 @@ fn lists_without_end_and_circles_of_references_are_refused() {
     for data in [
         format!("#2=TRIMMED_CURVE('',{}#2{},#2,#2,.T.,.T.);", "(".repeat(100_000), ")".repeat(100_000)),
         "#2=TRIMMED_CURVE('',#2,(#2),(#2),.T.,.CARTESIAN.);".into(),
-        "#2=MAPPED_ITEM('',#3,#4);\n#3=REPRESENTATION_MAP(#4,#1);\n#4=AXIS2_PLACEMENT_3D('',#5,$,$);\n#5=CARTESIAN_POINT('',(0.,0.,0.));".into(),
+        "#2=MAPPED_ITEM('',#3,#4);\n#3=REPRESENTATION_MAP(#4,#1);\n#4=AXIS2_PLACEMENT_3D('',#5,$,$);\n#5=CARTESIAN_POINT('',(0.,0.,0.));\n#6=SHAPE_REPRESENTATION('',(#2),#9);".into(),
         "#2=SHELL_BASED_SURFACE_MODEL('',(#3));\n#3=ORIENTED_OPEN_SHELL('',*,#4,.T.);\n#4=ORIENTED_CLOSED_SHELL('',*,#3,.T.);".into(),
         "#2=COMPOSITE_CURVE('',(#3,#3,#3),.F.);\n#3=COMPOSITE_CURVE_SEGMENT(.CONTINUOUS.,.T.,#2);".into(),
     ] {

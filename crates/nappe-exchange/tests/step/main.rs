@@ -1,7 +1,12 @@
 //! STEP files in and out.
 
+#![allow(clippy::unwrap_used)]
+
+mod asked;
+mod corners;
 mod faults;
 mod files;
+mod meant;
 mod mutated;
 mod peers;
 mod round;

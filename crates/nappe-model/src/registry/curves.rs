@@ -335,4 +335,22 @@ pub const CURVES: &[Kind] = &[
             SIMILARITY[3],
         ],
     },
+    Kind {
+        name: "import",
+        doc: "a curve that stands for itself in a file of another system",
+        keys: &[
+            key(
+                "file",
+                Text,
+                Required,
+                "the file, relative to the model's; its unit is converted",
+            ),
+            key(
+                "curve",
+                Either(&[Text, Count(1)]),
+                Optional("the only one"),
+                "its name or its number",
+            ),
+        ],
+    },
 ];

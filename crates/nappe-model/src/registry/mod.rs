@@ -88,7 +88,7 @@ pub const CHECK: &[Key] = &[
         "between",
         List(&Side, Some(2)),
         Required,
-        "two sides, such as [\"hull.north\", \"deck.south\"]; of sides that meet in part, the claim is about that part",
+        "two sides, such as [\"hull.north\", \"deck.south\"]; where one lies along a part of the other, the claim is about that part",
     ),
     key(
         "continuity",
@@ -101,6 +101,12 @@ pub const CHECK: &[Key] = &[
         Either(&[Angle, Number]),
         Required,
         "G0: a length; G1: an angle such as \"0.1deg\"; G2: a relative curvature difference",
+    ),
+    key(
+        "in_part",
+        Bool,
+        Optional("false"),
+        "whether the claim is about what the two sides have in common, however short; else one of them must lie on the other from end to end",
     ),
 ];
 

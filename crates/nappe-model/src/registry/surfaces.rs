@@ -398,7 +398,7 @@ pub const SURFACES: &[Kind] = &[
                 "between",
                 List(&Surface, Some(2)),
                 Required,
-                "any two; two planes, and a plane and a cylinder, have a formula, between others the ball is followed from end to end, or round",
+                "any two; two planes, and a plane and a whole cylinder, have a formula, between others the ball is followed from end to end, or round",
             ),
             key(
                 "radius",
@@ -555,6 +555,31 @@ pub const SURFACES: &[Kind] = &[
                 Number,
                 Optional("1e-6 of the size"),
                 "the greatest gap along a shared side",
+            ),
+        ],
+    },
+    Kind {
+        name: "import",
+        doc: "the surface of a face in a file of another system, with the normal of the face: u and v are exchanged if \
+              that is not the surface's own",
+        keys: &[
+            key(
+                "file",
+                Text,
+                Required,
+                "the file, relative to the model's; its unit is converted",
+            ),
+            key(
+                "face",
+                Either(&[Text, Count(1)]),
+                Optional("the only one"),
+                "its name or its number",
+            ),
+            key(
+                "untrimmed",
+                Bool,
+                Optional("false"),
+                "take the whole surface also where the face is only a part of it",
             ),
         ],
     },

@@ -1,18 +1,19 @@
 //! The velocities of curves.
 
+use super::slide::{Moved, Slide};
 use super::still::{self, Part};
 use super::{Motion, Mover, Pair};
 use crate::curves::{ArcData, clamped_uniform, spacing};
 use crate::data::{Datum, Fields, Item};
 use nappe::curve::{
     CrossDerivative, CurveRef, ExpressionCurve, InterpolateOptions, Isocurve, JoinOptions, Joined,
-    Spacing, Trimmed, interpolate_like, polyline,
+    Spacing, Trimmed, interpolate_like,
 };
 use nappe::exact::{NurbsCurve, NurbsError};
 use nappe::expr::Bound;
 use nappe::surface::Dir;
 use nappe::velocity::{
-    FrameRate, Net, Sum, Term, arc, as_curve, cross_matrix, extended, still_curve,
+    FrameRate, Net, Sum, Term, arc, as_curve, cross_matrix, extended, interpolation, still_curve,
 };
 use nappe::{Breaks, DAffine3, DMat3, DVec3, maps};
 use std::f64::consts::TAU;
@@ -20,6 +21,9 @@ use std::sync::Arc;
 
 /// Relative to the greatest change: parameters of points that change less do not, but for rounding.
 const ROUNDING: f64 = 1e-12;
+/// Relative to the greatest: velocities of two ends that differ by less are one, but for rounding.
+const SAME: f64 = 1e-9;
+const JUMPS: &str = "its corners move along its parameter, so its velocity jumps there: write parametrization = \"uniform\"";
 
 /// The curve of a control polygon over equal weights.
 fn bezier(points: &[DVec3]) -> Result<CurveRef, NurbsError> {
@@ -50,8 +54,7 @@ pub(super) fn number(rate: &Fields, key: &str) -> f64 {
 fn respaced(points: &[DVec3], rates: &[DVec3], spacing: Spacing, closed: bool) -> bool {
     let length = |v: &[DVec3]| v.windows(2).map(|w| w[0].distance(w[1])).sum::<f64>();
     let noise = ROUNDING * (length(rates) / length(points)).max(f64::MIN_POSITIVE);
-    // Written so that NaN counts as a change.
-    let moved = |rate: &f64| !(rate.abs() <= noise);
+    let moved = |rate: &f64| rate.is_nan() || rate.abs() > noise;
     spacing.rates(points, rates, closed).iter().any(moved)
 }
 
@@ -103,21 +106,20 @@ impl Mover<'_, '_> {
             }
             "polyline" => {
                 let (points, rates) = points()?;
-                if respaced(&points, &rates, spacing(f), false) {
-                    return Err(pair.unknown(
-                        "its corners move along its parameter, so its velocity jumps there: write parametrization = \"uniform\"",
-                    ));
-                }
-                let at = curve.breaks().iter().map(|b| b.at);
+                let at: Vec<f64> = curve.breaks().iter().map(|b| b.at).collect();
                 let mut knots = vec![curve.domain().lo];
-                knots.extend(at);
+                knots.extend(&at);
                 knots.push(curve.domain().hi);
                 if knots.len() == points.len() + 2 {
                     let line = NurbsCurve::new(1, knots, &rates, None).map_err(|e| fault(&e))?;
+                    if respaced(&points, &rates, spacing(f), false) {
+                        let why = pair.unknown(JUMPS);
+                        let slide = Slide::new(at, spacing(f).rates(&points, &rates, false), why);
+                        return Ok(Some(Moved::sliding(Arc::new(line), Some(slide))));
+                    }
                     Arc::new(line)
                 } else {
-                    let line = polyline(&rates, Spacing::Uniform).map_err(|e| fault(&e))?;
-                    Arc::new(line)
+                    return Err(pair.unknown("it has not as many corners as points"));
                 }
             }
             "bezier" => {
@@ -167,20 +169,45 @@ impl Mover<'_, '_> {
             "interpolate" => {
                 let (points, rates) = points()?;
                 let closed = f.flag("closed");
-                if respaced(&points, &rates, spacing(f), closed) {
-                    return Err(pair.unknown(
-                        "its knots change with the distances of its points: write parametrization = \"uniform\"",
-                    ));
+                let degree = f.number("degree").map_or(3, |d| d as usize);
+                let once = match (&points[..], &rates[..]) {
+                    ([p, .., q], [p_rate, .., q_rate]) if closed && p == q => {
+                        if p_rate != q_rate {
+                            return Err(pair.unknown("its first point leaves its last one"));
+                        }
+                        points.len() - 1
+                    }
+                    _ => points.len(),
+                };
+                let (points, rates) = (&points[..once], &rates[..once]);
+                if respaced(points, rates, spacing(f), closed) {
+                    if degree != 3 {
+                        return Err(pair.unknown(
+                            "its knots change with the distances of its points: write degree = 3 or parametrization = \"uniform\"",
+                        ));
+                    }
+                    let given =
+                        |fields: &Fields, key: &str| f.get(key).map(|_| vector(fields, key));
+                    let options = InterpolateOptions {
+                        degree,
+                        closed,
+                        spacing: spacing(f),
+                        start_tangent: given(f, "start_tangent"),
+                        end_tangent: given(f, "end_tangent"),
+                    };
+                    let turns = ["start_tangent", "end_tangent"].map(|key| given(r, key));
+                    let moved = interpolation(points, rates, options, turns);
+                    return Ok(Some(Moved::new(Arc::new(moved.map_err(|e| fault(&e))?))));
                 }
                 let tangent = |key: &str| f.get(key).map(|_| vector(r, key));
                 let options = InterpolateOptions {
-                    degree: f.number("degree").map_or(3, |d| d as usize),
+                    degree,
                     closed,
                     spacing: spacing(f),
                     start_tangent: tangent("start_tangent"),
                     end_tangent: tangent("end_tangent"),
                 };
-                Arc::new(interpolate_like(&points, &rates, options).map_err(|e| fault(&e))?)
+                Arc::new(interpolate_like(points, rates, options).map_err(|e| fault(&e))?)
             }
             "expression" => {
                 if !pair.stays("domain") {
@@ -195,44 +222,68 @@ impl Mover<'_, '_> {
                 let velocity = ExpressionCurve::new(formulas, [domain.lo, domain.hi]);
                 Arc::new(velocity.map_err(|e| fault(&e))?)
             }
-            "isocurve" => self.moved_isocurve(pair)?,
+            "isocurve" => return self.moved_isocurve(pair).map(Some),
             "side" => match f.get("side").map(|i| &i.datum) {
-                Some(Datum::Side(side)) => match self.surface(&side.surface)? {
-                    Some(s) => Arc::new(Isocurve::side(s, side.side)),
-                    None => return Ok(None),
-                },
+                Some(Datum::Side(side)) => return self.side(side),
                 _ => return Err(pair.unknown("it names no side")),
             },
-            "reverse" => Arc::new(Trimmed::reversed(self.velocity_of(pair, "curve")?)),
+            "reverse" => {
+                let Some(Moved { velocity, slides }) = self.key(pair, "curve")?.1 else {
+                    return Ok(None);
+                };
+                let back = Arc::new(Trimmed::reversed(velocity));
+                let [slide, _] = slides;
+                return Ok(Some(Moved::sliding(back, slide.map(Slide::reversed))));
+            }
             "trim" => self.moved_part(pair, curve)?,
             "join" => {
                 let (Some(items), Some(rates)) = (f.list("curves"), r.list("curves")) else {
                     return Err(pair.unknown("it has no curves"));
                 };
                 let label = format!("{}, `curves`", pair.at.label);
-                let mut parts = Vec::with_capacity(items.len());
+                let (mut parts, mut slides) = (Vec::new(), Vec::new());
                 for (item, rate) in items.iter().zip(rates) {
-                    let (curve, velocity) = self.item(item, rate, &label)?;
+                    let (curve, moved) = self.item(item, rate, &label)?;
+                    slides.push(moved.as_ref().and_then(|m| m.slide().cloned()));
+                    let velocity = moved.map(|m| m.velocity);
                     parts.push(velocity.unwrap_or_else(|| still_curve(curve.breaks())));
                 }
-                // The curves themselves have been found to meet.
+                // The curves have been found to meet; so must their velocities, else they part.
+                let ends = |c: &CurveRef| [c.domain().lo, c.domain().hi].map(|t| c.point(t));
+                let ends: Vec<[DVec3; 2]> = parts.iter().map(ends).collect();
+                let fastest = ends.iter().flatten().map(|v| v.length());
+                let noise = SAME * fastest.fold(0.0, f64::max);
+                let part = ends
+                    .windows(2)
+                    .position(|w| w[0][1].distance(w[1][0]) > noise);
+                if let Some(k) = part {
+                    let (k, next) = (k + 1, k + 2);
+                    return Err(
+                        pair.unknown(format!("its curves {k} and {next} part as they move"))
+                    );
+                }
                 let options = JoinOptions {
                     tol: Some(f64::MAX),
                     ..JoinOptions::default()
                 };
-                Arc::new(Joined::new(parts, options).map_err(|e| fault(&e))?)
+                let joined = Joined::new(parts, options).map_err(|e| fault(&e))?;
+                let slide = Slide::joined(&slides);
+                return Ok(Some(Moved::sliding(Arc::new(joined), slide)));
             }
             "transform" => {
-                let (source, velocity) = self.key(pair, "curve")?;
+                let (source, moved) = self.key(pair, "curve")?;
                 let [map, rate] = self.map(pair)?;
                 let from = source.point(source.domain().lo);
                 let mut terms = vec![Term::image(extended(source), rate.matrix3, from)];
-                terms.extend(velocity.map(|v| Term::image(extended(v), map.matrix3, DVec3::ZERO)));
-                as_curve(Sum::new(rate.transform_point3(from), terms))
+                let slide = moved.as_ref().and_then(|m| m.slide().cloned());
+                let image = |v| Term::image(extended(v), map.matrix3, DVec3::ZERO);
+                terms.extend(moved.map(|m| image(m.velocity)));
+                let image = as_curve(Sum::new(rate.transform_point3(from), terms));
+                return Ok(Some(Moved::sliding(image, slide)));
             }
             _ => return Err(pair.unknown_kind()),
         };
-        Ok(Some(made))
+        Ok(Some(Moved::new(made)))
     }
 
     fn moved_arc(&self, pair: Pair<'_>) -> Result<CurveRef, String> {
@@ -250,14 +301,14 @@ impl Mover<'_, '_> {
         Ok(arc(&ellipse, &frame, growth, rate.range))
     }
 
-    fn moved_isocurve(&mut self, pair: Pair<'_>) -> Result<CurveRef, String> {
+    fn moved_isocurve(&mut self, pair: Pair<'_>) -> Result<Moved<CurveRef>, String> {
         let [f, r] = [&pair.at.fields, &pair.rate.fields];
         let name = f.text("surface").unwrap_or_default();
         let label = format!("{}, `surface`", pair.at.label);
         let span = f.place("surface", &[]);
         let surface = self.builder.surface(name, &label, &span);
         let surface = surface.map_err(|_| pair.unknown("its surface is not built"))?;
-        let velocity = self.surface(name)?;
+        let moved = self.surface(name)?;
         let (along, held, key) = match f.number("u") {
             Some(_) => (Dir::V, Dir::U, "u"),
             None => (Dir::U, Dir::V, "v"),
@@ -273,20 +324,24 @@ impl Mover<'_, '_> {
             let across = extended(Arc::new(across));
             terms.push(Term::image(across, DMat3::IDENTITY * rate, DVec3::ZERO));
         }
-        if let Some(v) = velocity {
-            let own = Isocurve::new(v, along, at).map_err(fault)?;
+        let mut slide = None;
+        if let Some(moved) = moved {
+            slide = moved.slide_along(along)?;
+            let own = Isocurve::new(moved.velocity, along, at).map_err(fault)?;
             terms.push(Term::new(extended(Arc::new(own))));
         }
         if terms.is_empty() {
-            return Ok(still_curve(surface.breaks(along)));
+            return Ok(Moved::new(still_curve(surface.breaks(along))));
         }
-        Ok(as_curve(Sum::new(DVec3::ZERO, terms)))
+        let sum = as_curve(Sum::new(DVec3::ZERO, terms));
+        Ok(Moved::sliding(sum, slide))
     }
 
     /// A part of a curve, whose ends may move along it.
     fn moved_part(&mut self, pair: Pair<'_>, part: &CurveRef) -> Result<CurveRef, String> {
         let [f, r] = [&pair.at.fields, &pair.rate.fields];
-        let (curve, velocity) = self.key(pair, "curve")?;
+        let (curve, moved) = self.key(pair, "curve")?;
+        let velocity = moved.map(Moved::fixed).transpose()?;
         let domain = curve.domain();
         let [from, to] =
             [("from", domain.lo), ("to", domain.hi)].map(|(k, d)| f.number(k).unwrap_or(d));

@@ -5,18 +5,21 @@
 //! of. What is not known is told by name, never approximated.
 
 mod curves;
+mod slide;
 mod still;
 mod surfaces;
 
 use crate::build::{Builder, Patch, Stop};
-use crate::data::{CurveSource, Datum, Item, Object};
+use crate::data::{CurveSource, Datum, Item, Object, SideName};
 use crate::diagnostics::Diagnostics;
+use crate::import::Imports;
 use crate::reader::{self, Overrides};
 use crate::{MAX_REFERENCE_DEPTH, Model};
 use nappe::curve::{CurveRef, Isocurve};
 use nappe::expr::nearest;
-use nappe::surface::SurfaceRef;
+use nappe::surface::{Dir, SurfaceRef};
 use nappe::velocity::still_curve;
+use slide::{Carried, Moved};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -27,6 +30,10 @@ pub enum Velocity<T> {
     Still,
     /// With this velocity, in units of length for each unit of the parameter, at the parameters of the object.
     Moves(T),
+    /// With this velocity of points that slide along the parameters: each keeps its share of the way between two corners,
+    /// and these move along the parameter. At fixed parameters the velocity would jump there. Area, volume, box and all else
+    /// that belongs to the shape alone change in the same way.
+    Follows(T),
     /// It is not known; why.
     Unknown(String),
 }
@@ -58,30 +65,42 @@ pub fn velocities(
     };
     let mut diags = Diagnostics::new(&model.warnings.file, &model.warnings.text);
     let mut found = None;
-    reader::with_rates(overrides, parameter, &mut diags, |builder, rates| {
-        let mut mover = Mover::new(builder, rates);
-        let curves = model.curves.iter().map(|c| match mover.curve(&c.name) {
-            Ok(None) => Velocity::Still,
-            Ok(Some(v)) => Velocity::Moves(v),
-            Err(why) => Velocity::Unknown(why),
-        });
-        let curves = curves.collect();
-        let surfaces = model.surfaces.iter().map(|s| match mover.surface(&s.name) {
-            Ok(None) => Velocity::Still,
-            Ok(Some(v)) => Velocity::Moves(v),
-            Err(why) => Velocity::Unknown(why),
-        });
-        found = Some(Velocities {
-            parameter: parameter.to_owned(),
-            value: known.value,
-            surfaces: surfaces.collect(),
-            curves,
-        });
-    });
+    let imports = Imports {
+        importer: model.importer.clone(),
+        units: model.units,
+    };
+    reader::with_rates(
+        overrides,
+        imports,
+        parameter,
+        &mut diags,
+        |builder, rates| {
+            let mut mover = Mover::new(builder, rates);
+            let curves = model.curves.iter().map(|c| told(mover.curve(&c.name)));
+            let curves = curves.collect();
+            let surfaces = model.surfaces.iter();
+            let surfaces = surfaces.map(|s| told(mover.surface(&s.name)));
+            found = Some(Velocities {
+                parameter: parameter.to_owned(),
+                value: known.value,
+                surfaces: surfaces.collect(),
+                curves,
+            });
+        },
+    );
     diags.sort();
     match found {
         Some(found) if !diags.has_errors() => Ok(found),
         _ => Err(diags),
+    }
+}
+
+fn told<T>(motion: Motion<T>) -> Velocity<T> {
+    match motion {
+        Ok(None) => Velocity::Still,
+        Ok(Some(m)) if m.slides.iter().any(Option::is_some) => Velocity::Follows(m.velocity),
+        Ok(Some(m)) => Velocity::Moves(m.velocity),
+        Err(why) => Velocity::Unknown(why),
     }
 }
 
@@ -97,9 +116,9 @@ fn unknown(model: &Model, parameter: &str) -> Diagnostics {
 }
 
 /// A velocity; none: it does not move. The error says why it is not known.
-type Motion<T> = Result<Option<T>, String>;
+type Motion<T> = Result<Option<Moved<T>>, String>;
 /// The velocities of an object's patches, in their order.
-type Patches = Arc<Vec<Option<SurfaceRef>>>;
+type Patches = Arc<Vec<Option<Moved<SurfaceRef>>>>;
 
 /// The rates of all numbers of objects by name.
 pub(crate) struct Rates {
@@ -134,7 +153,7 @@ impl Pair<'_> {
     /// The same for a kind as a whole.
     fn unknown_kind(&self) -> String {
         self.unknown(format!(
-            "how a {} changes with its data is not known",
+            "how the kind \"{}\" changes with its data is not known",
             self.at.kind.name
         ))
     }
@@ -234,20 +253,12 @@ impl<'b, 'd> Mover<'b, 'd> {
     }
 
     /// A curve that a datum asks for, with its velocity.
-    fn item(
-        &mut self,
-        item: &Item,
-        rate: &Item,
-        label: &str,
-    ) -> Result<(CurveRef, Option<CurveRef>), String> {
+    fn item(&mut self, item: &Item, rate: &Item, label: &str) -> Result<Carried, String> {
         let built = |stop: Stop| format!("{label}: it is not built ({stop:?})");
         let curve = self.builder.curve(item, label).map_err(built)?;
         let velocity = match (&item.datum, &rate.datum) {
             (Datum::Curve(CurveSource::Named(name)), _) => self.curve(name)?,
-            (Datum::Curve(CurveSource::Side(side)), _) => {
-                let moved = self.surface(&side.surface)?;
-                moved.map(|s| Arc::new(Isocurve::side(s, side.side)) as CurveRef)
-            }
+            (Datum::Curve(CurveSource::Side(side)), _) => self.side(side)?,
             (Datum::Curve(CurveSource::Inline(at)), Datum::Curve(CurveSource::Inline(rate))) => {
                 let pair = Pair { at, rate };
                 self.nested(pair, |m| m.moved_curve(pair, &curve))?
@@ -257,8 +268,22 @@ impl<'b, 'd> Mover<'b, 'd> {
         Ok((curve, velocity))
     }
 
+    /// The velocity of a side of a surface: where points slide across it they stay on it.
+    fn side(&mut self, side: &SideName) -> Motion<CurveRef> {
+        let Some(moved) = self.surface(&side.surface)? else {
+            return Ok(None);
+        };
+        let [u, v] = moved.slides;
+        let slide = match side.side.along() {
+            Dir::U => u,
+            Dir::V => v,
+        };
+        let velocity = Arc::new(Isocurve::side(moved.velocity, side.side));
+        Ok(Some(Moved::sliding(velocity, slide)))
+    }
+
     /// The curve of a required key, with its velocity.
-    fn key(&mut self, pair: Pair<'_>, key: &str) -> Result<(CurveRef, Option<CurveRef>), String> {
+    fn key(&mut self, pair: Pair<'_>, key: &str) -> Result<Carried, String> {
         let label = format!("{}, `{key}`", pair.at.label);
         match (pair.at.fields.get(key), pair.rate.fields.get(key)) {
             (Some(item), Some(rate)) => self.item(item, rate, &label),
@@ -266,9 +291,12 @@ impl<'b, 'd> Mover<'b, 'd> {
         }
     }
 
-    /// The velocity of the curve of a required key, zero if it does not move.
+    /// The velocity of the curve of a required key at fixed parameters, zero if it does not move.
     fn velocity_of(&mut self, pair: Pair<'_>, key: &str) -> Result<CurveRef, String> {
-        let (curve, velocity) = self.key(pair, key)?;
-        Ok(velocity.unwrap_or_else(|| still_curve(curve.breaks())))
+        let (curve, moved) = self.key(pair, key)?;
+        match moved {
+            Some(moved) => moved.fixed(),
+            None => Ok(still_curve(curve.breaks())),
+        }
     }
 }

@@ -28,6 +28,10 @@ pub(super) enum Part {
 
 /// The names of the objects that a table refers to. A text may be the name of a surface.
 pub(super) fn parts(table: &Fields, found: &mut Vec<Part>) {
+    // What a file holds does not move, and its names are not those of the model.
+    if table.get("file").is_some() {
+        return;
+    }
     table.entries.iter().for_each(|(_, i)| of_item(i, found));
 }
 

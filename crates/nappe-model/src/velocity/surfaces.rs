@@ -1,6 +1,7 @@
 //! The velocities of surfaces.
 
 use super::curves::{axis_rate, number, vector};
+use super::slide::{Moved, together};
 use super::still::{self};
 use super::{Mover, Pair};
 use crate::build::Patch;
@@ -21,15 +22,15 @@ use nappe::{DMat3, DVec3};
 use std::sync::Arc;
 
 /// The velocities of an object's patches, in their order.
-type Moved = Result<Vec<Option<SurfaceRef>>, String>;
+type Motions = Result<Vec<Option<Moved<SurfaceRef>>>, String>;
 
-fn one(surface: SurfaceRef) -> Vec<Option<SurfaceRef>> {
-    vec![Some(surface)]
+fn one(surface: SurfaceRef) -> Vec<Option<Moved<SurfaceRef>>> {
+    vec![Some(Moved::new(surface))]
 }
 
 impl Mover<'_, '_> {
     /// The velocities of an object's patches, from those of its parts.
-    pub(super) fn moved_surface(&mut self, pair: Pair<'_>, patches: &[Patch]) -> Moved {
+    pub(super) fn moved_surface(&mut self, pair: Pair<'_>, patches: &[Patch]) -> Motions {
         let [f, r] = [&pair.at.fields, &pair.rate.fields];
         if self.parts_stay(f)? && still::fields(r) {
             return Ok(vec![None; patches.len()]);
@@ -62,14 +63,13 @@ impl Mover<'_, '_> {
                     Some(_) => (["south", "north"], Dir::U),
                     None => (["west", "east"], Dir::V),
                 };
-                let first = self.velocity_of(pair, keys[0])?;
-                let second = self.velocity_of(pair, keys[1])?;
-                one(Arc::new(
-                    ruled(first, second, along).map_err(|e| fault(&e))?,
-                ))
+                let rails = [self.key(pair, keys[0])?, self.key(pair, keys[1])?];
+                let ([first, second], slide) = together(rails)?;
+                let made = Arc::new(ruled(first, second, along).map_err(|e| fault(&e))?);
+                vec![Some(Moved::surface(made, along, slide))]
             }
             "bezier" | "nurbs" | "biquadratic" | "rational" => one(self.moved_net(pair, at)?),
-            "revolution" => one(self.moved_revolution(pair)?),
+            "revolution" => vec![Some(self.moved_revolution(pair)?)],
             "torus" => {
                 if !pair.stays("range") {
                     return Err(pair.unknown(RANGE));
@@ -186,24 +186,27 @@ impl Mover<'_, '_> {
         net.surface(at, make).map_err(|e: NurbsError| fault(&e))
     }
 
-    fn moved_revolution(&mut self, pair: Pair<'_>) -> Result<SurfaceRef, String> {
+    fn moved_revolution(&mut self, pair: Pair<'_>) -> Result<Moved<SurfaceRef>, String> {
         let [f, r] = [&pair.at.fields, &pair.rate.fields];
         let own = self.builder.revolution(pair.at);
         let own = own.map_err(|_| pair.unknown("its data are missing"))?;
         let (_, profile) = self.key(pair, "profile")?;
+        let slide = profile.as_ref().and_then(|m| m.slide().cloned());
         let rate = TurnRate {
-            profile,
+            profile: profile.map(|m| m.velocity),
             axis: axis_rate([f, r], "axis"),
             start: number(r, "start"),
             angle: number(r, "angle"),
         };
-        revolution(&own, &rate).ok_or_else(|| {
+        let moved = revolution(&own, &rate).ok_or_else(|| {
             pair.unknown(if f.get("section").is_some() {
                 "how sections by a conic change is not known"
             } else {
                 "how rational arcs change with their angle is not known: use construction = \"angle\""
             })
-        })
+        })?;
+        // The profile is along u.
+        Ok(Moved::surface(moved, Dir::U, slide))
     }
 
     fn moved_quadric(&mut self, pair: Pair<'_>) -> Result<SurfaceRef, String> {
@@ -255,7 +258,7 @@ impl Mover<'_, '_> {
         quadric(&own, &rate).map_err(|dir| pair.unknown(format!("{RANGE} (of {dir})")))
     }
 
-    fn moved_images(&mut self, pair: Pair<'_>) -> Moved {
+    fn moved_images(&mut self, pair: Pair<'_>) -> Motions {
         let name = pair
             .at
             .fields
@@ -276,15 +279,18 @@ impl Mover<'_, '_> {
             let own = own.iter().map(|p| p.surface.clone());
             own.zip(moved.iter().cloned()).collect()
         };
-        let image = |(source, velocity): (SurfaceRef, Option<SurfaceRef>)| {
+        let image = |(source, moved): (SurfaceRef, Option<Moved<SurfaceRef>>)| {
             let from = source.point(source.domain().map(|d| d.lo));
-            if rate.matrix3 == DMat3::ZERO && rate.translation == DVec3::ZERO && velocity.is_none()
-            {
+            if rate.matrix3 == DMat3::ZERO && rate.translation == DVec3::ZERO && moved.is_none() {
                 return None;
             }
             let mut terms = vec![Term::image(source, rate.matrix3, from)];
-            terms.extend(velocity.map(|v| Term::image(v, map.matrix3, DVec3::ZERO)));
-            Some(Arc::new(Sum::new(rate.transform_point3(from), terms)) as SurfaceRef)
+            let slides = moved.as_ref().map(|m| m.slides.clone());
+            terms.extend(moved.map(|m| Term::image(m.velocity, map.matrix3, DVec3::ZERO)));
+            Some(Moved {
+                velocity: Arc::new(Sum::new(rate.transform_point3(from), terms)) as SurfaceRef,
+                slides: slides.unwrap_or_default(),
+            })
         };
         Ok(sources.into_iter().map(image).collect())
     }
@@ -314,7 +320,8 @@ impl Mover<'_, '_> {
                     else {
                         return Err(pair.unknown("its data are missing"));
                     };
-                    let (curve, velocity) = self.item(at, rate, &pair.at.label)?;
+                    let (curve, moved) = self.item(at, rate, &pair.at.label)?;
+                    let velocity = moved.map(Moved::fixed).transpose()?;
                     let still = || nappe::velocity::still_curve(curve.breaks());
                     *to = Cross::Curve(velocity.unwrap_or_else(still));
                 }

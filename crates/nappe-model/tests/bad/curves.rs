@@ -182,6 +182,48 @@ const ROWS: &[Row] = &[
         "greater than 0",
     ),
     (
+        "[curves.c]\nkind = 'intersection'\nsurfaces = ['t', 'p']\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1\n[surfaces.p]\nkind = 'bilinear'\ncorners = [[[-9, -9, 0.5], [-9, 9, 0.5]], [[9, -9, 0.5], [9, 9, 0.5]]]",
+        (2, 9),
+        &["curve `c`", "2 branches", "closed"],
+        "branch = 1",
+    ),
+    (
+        "[curves.c]\nkind = 'intersection'\nsurfaces = ['t', 'p']\nbranch = 3\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1\n[surfaces.p]\nkind = 'bilinear'\ncorners = [[[-9, -9, 0.5], [-9, 9, 0.5]], [[9, -9, 0.5], [9, 9, 0.5]]]",
+        (5, 10),
+        &["curve `c`", "no branch 3"],
+        "branch = 1",
+    ),
+    (
+        "[curves.c]\nkind = 'intersection'\nsurfaces = ['t', 'p']\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1\n[surfaces.p]\nkind = 'bilinear'\ncorners = [[[-9, -9, 5], [-9, 9, 5]], [[9, -9, 5], [9, 9, 5]]]",
+        (2, 9),
+        &["curve `c`", "no such curve of the two surfaces"],
+        "meets",
+    ),
+    (
+        "[curves.c]\nkind = 'intersection'\nsurfaces = ['t', 'p']\n[surfaces.t]\nkind = 'quadric'\nshape = 'sphere'\nsemi_axes = [2]\n[surfaces.p]\nkind = 'bilinear'\ncorners = [[[-9, -9, 2], [-9, 9, 2]], [[9, -9, 2], [9, 9, 2]]]",
+        (2, 9),
+        &["curve `c`", "no curve is proven", "may touch"],
+        "meets",
+    ),
+    (
+        "[curves.c]\nkind = 'intersection'\nsurfaces = ['t', 'q']\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1\n[surfaces.p]\nkind = 'bilinear'\ncorners = [[[-9, -9, 0.5], [-9, 9, 0.5]], [[9, -9, 0.5], [9, 9, 0.5]]]",
+        (4, 18),
+        &["curve `c`", "no surface `q`"],
+        "surfaces are t, p",
+    ),
+    (
+        "[curves.c]\nkind = 'intersection'\nsurfaces = ['t', 'p', 't']\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1\n[surfaces.p]\nkind = 'bilinear'\ncorners = [[[-9, -9, 0.5], [-9, 9, 0.5]], [[9, -9, 0.5], [9, 9, 0.5]]]",
+        (4, 12),
+        &["curve `c`", "surfaces", "2"],
+        "",
+    ),
+    (
+        "[curves.c]\nkind = 'intersection'\nsurfaces = ['t', 'p']\ntolerance = -1\nbranch = 1\n[surfaces.t]\nkind = 'torus'\nmajor = 3\nminor = 1\n[surfaces.p]\nkind = 'bilinear'\ncorners = [[[-9, -9, 0.5], [-9, 9, 0.5]], [[9, -9, 0.5], [9, 9, 0.5]]]",
+        (5, 13),
+        &["curve `c`", "tolerance of the curve is -1"],
+        "greater than 0",
+    ),
+    (
         "[curves.c]\nkind = 'polyline'\npoints = [[0,0,0],[1,0,0],[1,0,0]]",
         (4, 27),
         &["curve `c`", "coincide"],

@@ -1,11 +1,13 @@
 //! `docs/model-file.md` is made from the registry: this writes it (`cargo xtask docs`) or checks that it is up to date,
 //! and that each of its snippets is a model without faults.
 
+mod files;
 mod snippets;
 
 use nappe_model::registry::{self, Key, Kind, Need, Shape};
 use std::fmt::Write as _;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::{env, fs};
 
 /// Set to write the page instead of checking it.
@@ -42,7 +44,13 @@ fn every_snippet_is_a_model_without_faults() {
                 "{snippet}"
             );
             let text = format!("nappe = 1\n{}\n{snippet}", snippets::SETTING);
-            if let Err(faults) = nappe_model::parse(&text, kind.name, &Default::default()) {
+            let read = nappe_model::parse_with(
+                &text,
+                kind.name,
+                &Default::default(),
+                Arc::new(files::Files),
+            );
+            if let Err(faults) = read {
                 panic!("{faults}");
             }
         }

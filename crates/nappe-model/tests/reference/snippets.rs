@@ -149,6 +149,10 @@ const CURVES: &[(&str, &str)] = &[
         "transform",
         "[curves.raised]\nkind = \"transform\"\ncurve = \"b\"\nrotate = { axis = \"z\", angle = \"30deg\" }\ntranslate = [0, 0, 15]\n",
     ),
+    (
+        "import",
+        "[curves.keel]\nkind = \"import\"\nfile = \"boat.iges\"\ncurve = \"keel\"\n",
+    ),
 ];
 
 const SURFACES: &[(&str, &str)] = &[
@@ -215,5 +219,9 @@ const SURFACES: &[(&str, &str)] = &[
     (
         "join",
         "[surfaces.corner]\nkind = \"join\"\nsurfaces = [\"floor\", \"wall\"]\n",
+    ),
+    (
+        "import",
+        "[surfaces.hull]\nkind = \"import\"\nfile = \"boat.step\"\nface = \"hull\"\n",
     ),
 ];

@@ -1,12 +1,11 @@
 //! A surface as the plane of its parameters: where it closes, where it is one point, and which parameters belong to a
 //! point of space.
 
-use crate::box3::Box3;
+use super::closing::{Other, apart};
 use crate::breaks::{Breaks, inwards};
 use crate::interval::Interval;
-use crate::mesh::sampled;
 use crate::mesh::shared::Edge as Line;
-use crate::surface::{Dir, Side, Surface, enclose_direct};
+use crate::surface::{Dir, Side, Surface};
 use glam::DVec3;
 use smallvec::SmallVec;
 use std::sync::OnceLock;
@@ -31,15 +30,8 @@ pub(super) struct Pole {
     pub(super) at: f64,
     pub(super) upper: bool,
     pub(super) point: DVec3,
-}
-
-/// How far a surface may be from its chords over a rectangle.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Bend {
-    pub(super) bound: f64,
-    pub(super) proven: bool,
-    /// What u and v add to it.
-    pub(super) terms: [f64; 2],
+    /// How far points of the side are from it at most.
+    pub(super) size: f64,
 }
 
 pub(super) struct Chart<'a> {
@@ -49,6 +41,8 @@ pub(super) struct Chart<'a> {
     pub(super) period: [Option<f64>; 2],
     /// How far apart the sides are that meet.
     pub(super) slit: f64,
+    /// Whether that and the sizes of poles are proven.
+    pub(super) proven: bool,
     pub(super) poles: Vec<Pole>,
     pub(super) size: f64,
     /// Where first derivatives jump, u and v; with the ends where the surface closes with a crease.
@@ -65,6 +59,7 @@ impl<'a> Chart<'a> {
             domain: surface.domain(),
             period: [None; 2],
             slit: 0.0,
+            proven: true,
             poles: Vec::new(),
             size,
             creases: [Dir::U, Dir::V].map(|dir| surface.breaks(dir).below(1)),
@@ -74,12 +69,20 @@ impl<'a> Chart<'a> {
         for side in Side::ALL {
             let line = Line::new(surface, side);
             if line.is_collapsed(near) {
-                new.poles.push(Pole {
-                    d: usize::from(side.across() == Dir::V),
-                    at: line.at,
-                    upper: side.is_upper(),
-                    point: line.point(line.range.mid()),
-                });
+                let (d, upper) = (usize::from(side.across() == Dir::V), side.is_upper());
+                let point = line.point(line.range.mid());
+                let size = apart(surface, d, upper, Other::Point(point), near);
+                // Samples saw no more than half of what is near.
+                new.proven &= size.is_some();
+                if size.is_none_or(|s| s <= near) {
+                    new.poles.push(Pole {
+                        d,
+                        at: line.at,
+                        upper,
+                        point,
+                        size: size.unwrap_or(0.5 * near),
+                    });
+                }
             }
         }
         for d in 0..2 {
@@ -94,7 +97,7 @@ impl<'a> Chart<'a> {
             return;
         }
         let (own, other) = (self.domain[d], self.domain[1 - d]);
-        let (mut apart, mut crease) = (0.0f64, false);
+        let (mut sampled, mut crease) = (0.0f64, false);
         for k in 0..LINES {
             let t = other.lo + (other.hi - other.lo) * k as f64 / (LINES - 1) as f64;
             let jet = |at: f64| {
@@ -107,14 +110,20 @@ impl<'a> Chart<'a> {
             if gap.is_nan() || gap > near {
                 return;
             }
-            apart = apart.max(gap);
+            sampled = sampled.max(gap);
             let (p, q) = (a.d[1 + d], b.d[1 + d]);
             // Beside a pole both are nothing but rounding.
             let rounding = 1e-9 * self.size / own.width();
             crease |= p.distance(q) > 1e-6 * (p.length() + q.length()) + rounding;
         }
+        let proven = apart(self.surface, d, false, Other::Side, near);
+        if proven.is_some_and(|gap| gap > 2.0 * near) {
+            // Open between the samples.
+            return;
+        }
+        self.proven &= proven.is_some();
         self.period[d] = Some(own.width());
-        self.slit = self.slit.max(apart);
+        self.slit = self.slit.max(proven.unwrap_or(sampled));
         if crease {
             self.creases[d].extend([own.lo, own.hi]);
         }
@@ -205,7 +214,16 @@ impl<'a> Chart<'a> {
         }
         let found = order[..few].iter().map(|&(_, k)| {
             let uv = self.nearest(p, guesses[k].0);
-            (uv, self.point(uv).distance(p))
+            let distance = self.point(uv).distance(p);
+            // A NaN may sort before all numbers.
+            (
+                uv,
+                if distance.is_nan() {
+                    f64::INFINITY
+                } else {
+                    distance
+                },
+            )
         });
         let best = found.min_by(|a, b| a.1.total_cmp(&b.1));
         best.unwrap_or(([self.domain[0].mid(), self.domain[1].mid()], f64::INFINITY))
@@ -223,62 +241,8 @@ impl<'a> Chart<'a> {
         let mut points = vec![DVec3::ZERO; us.len() * vs.len()];
         self.surface.grid(&us, &vs, &mut points);
         let pairs = us.iter().flat_map(|&u| vs.iter().map(move |&v| [u, v]));
-        pairs.zip(points).collect()
-    }
-
-    /// How far the points of the surface over a rectangle, perhaps beyond the domain by periods, may be from chords and
-    /// triangles between them with the same parameters: the theorem of `mesh/bound.rs`, and where there are creases the size of a box.
-    pub(super) fn bend(&self, uv: [Interval; 2]) -> Bend {
-        let parts = [0, 1].map(|d| self.parts(d, uv[d]));
-        let width = uv.map(Interval::width);
-        let creased = (0..2).any(|d| {
-            let inside = |p: &Interval| self.creases[d].iter().any(|&c| p.lo < c && c < p.hi);
-            let at_seam = parts[d].len() > 1 && self.creases[d].contains(&self.domain[d].lo);
-            at_seam || parts[d].iter().any(inside)
-        });
-        let mut norms = [0.0f64; 3];
-        let mut hull: Option<Box3> = None;
-        let mut proven = true;
-        for u in &parts[0] {
-            for v in &parts[1] {
-                let mut boxes = enclose_direct(self.surface, [*u, *v], 2);
-                if !boxes[3..6].iter().all(|b| b.is_finite()) && !boxes[0].is_finite() {
-                    proven = false;
-                    match sampled(self.surface, [*u, *v]) {
-                        Some(jet) => boxes = jet,
-                        None => {
-                            let bound = f64::INFINITY;
-                            let terms = width;
-                            return Bend {
-                                bound,
-                                proven,
-                                terms,
-                            };
-                        }
-                    }
-                }
-                for k in 0..3 {
-                    norms[k] = crate::interval::greater(norms[k], boxes[3 + k].norm().hi);
-                }
-                hull = Some(hull.map_or(boxes[0], |h| h.hull(boxes[0])));
-            }
-        }
-        let whole = hull.map_or(f64::INFINITY, Box3::diagonal);
-        let [du, dv] = width;
-        let second =
-            0.125 * (norms[0] * du * du + 2.0 * norms[1] * du * dv + norms[2] * dv * dv) * ROUND_UP;
-        // Zero times infinity is nothing that is known.
-        let bound = if creased || second.is_nan() {
-            whole
-        } else {
-            second.min(whole)
-        };
-        let terms = [norms[0] * du * du, norms[2] * dv * dv];
-        Bend {
-            bound,
-            proven,
-            terms,
-        }
+        // Where the surface has no finite point, nothing is near.
+        pairs.zip(points).filter(|g| g.1.is_finite()).collect()
     }
 
     /// Where first derivatives jump, in one parameter.
@@ -287,7 +251,7 @@ impl<'a> Chart<'a> {
     }
 
     /// The parts of a range in the domain.
-    fn parts(&self, d: usize, range: Interval) -> SmallVec<[Interval; 2]> {
+    pub(super) fn parts(&self, d: usize, range: Interval) -> SmallVec<[Interval; 2]> {
         let domain = self.domain[d];
         let inside = |lo: f64, hi: f64| Interval {
             lo: lo.clamp(domain.lo, domain.hi),
@@ -309,9 +273,6 @@ impl<'a> Chart<'a> {
         parts
     }
 }
-
-/// Covers the roundings of the sums of positive numbers.
-const ROUND_UP: f64 = 1.0 + 1e-12;
 
 /// The step of Newton's method for a symmetric matrix `[a, b, c]`, in the free directions; `None` where it is not positive.
 fn newton([a, b, c]: [f64; 3], g: [f64; 2], free: [bool; 2]) -> Option<[f64; 2]> {

@@ -2,7 +2,6 @@
 
 use super::chart::Chart;
 use super::region::{Chain, Corner, Region, RegionError, Step};
-use crate::interval::Interval;
 
 /// Corners of each loop between which cuts are tried, and cuts tried for each pair of loops.
 const ENDS: usize = 48;
@@ -177,8 +176,7 @@ fn line(
     let mut waiting = vec![(0.0, 1.0, 0)];
     while let Some((s, t, depth)) = waiting.pop() {
         let [p, q] = [at(s), at(t)].map(|xy| region.plane.uv(xy));
-        let over = [0, 1].map(|d| Interval::new(p[d].min(q[d]), p[d].max(q[d])));
-        if depth < 1 || (depth < DEPTH && chart.bend(over).bound > allowed) {
+        if depth < 1 || (depth < DEPTH && chart.chord([p, q], allowed).bound > allowed) {
             let m = 0.5 * (s + t);
             waiting.push((m, t, depth + 1));
             waiting.push((s, m, depth + 1));

@@ -24,6 +24,16 @@ pub enum BodyError {
         /// Where it is.
         point: DVec3,
     },
+    /// The tolerance of an edge is infinite, NaN or negative.
+    #[error(
+        "edge {edge} has the tolerance {tolerance:e}: it must be a finite number that is not negative"
+    )]
+    Tolerance {
+        /// The edge.
+        edge: usize,
+        /// Its tolerance.
+        tolerance: f64,
+    },
     /// The curve of an edge does not end at its vertex.
     #[error("edge {edge} {} {distance:e} away from its vertex, more than {allowed:e}", if *.end == 0 { "starts" } else { "ends" })]
     End {

@@ -2,7 +2,7 @@
 
 use super::chart::Chart;
 use super::{Body, Coedge, Face, Loop};
-use crate::interval::Interval;
+use crate::interval::greater;
 use crate::mesh::{Certainty, flatten};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -17,7 +17,7 @@ pub(super) struct Flat {
 }
 
 /// The most points of an edge.
-const MOST: usize = 1 << 18;
+pub(super) const MOST: usize = 1 << 18;
 /// The fewest chords of a closed curved edge, and of another one: two arcs may bound a face.
 const LEAST: [usize; 2] = [6, 2];
 
@@ -61,6 +61,12 @@ pub(super) fn flat(body: &Body, edge: usize, tol: f64, rounding: f64) -> Result<
 }
 
 impl Flat {
+    /// Whether all of it is within a distance of its first point, as an edge at a pole.
+    pub(super) fn is_point(&self, near: f64) -> bool {
+        let far = self.points.iter().map(|p| p.distance(self.points[0]));
+        far.fold(self.deviation.error(), greater) <= near
+    }
+
     /// Halves some chords, by increasing index.
     pub(super) fn halve(&mut self, chords: &[usize], curve: &dyn crate::Curve) {
         let mut next = chords.iter().copied().peekable();
@@ -153,13 +159,11 @@ pub(super) fn trace(chart: &Chart, flat: &Flat) -> Trace {
 
 /// The chords over which a surface bends by more than allowed.
 pub(super) fn coarse(chart: &Chart, trace: &Trace, allowed: f64) -> Vec<usize> {
-    let far = |k: &usize| chord(chart, [trace.uv[*k], trace.uv[*k + 1]]).bound > allowed;
+    let far = |k: &usize| {
+        let ends = [trace.uv[*k], trace.uv[*k + 1]];
+        chart.chord(ends, allowed).bound > allowed
+    };
     (0..trace.uv.len() - 1).filter(far).collect()
-}
-
-/// How far the surface is from the chord between two parameters.
-pub(super) fn chord(chart: &Chart, [a, b]: [[f64; 2]; 2]) -> super::chart::Bend {
-    chart.bend([0, 1].map(|d| Interval::new(a[d].min(b[d]), a[d].max(b[d]))))
 }
 
 /// The loops of a face as it lies in the parameters, without seams: edges that it uses twice, in both directions. Its

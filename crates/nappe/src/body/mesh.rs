@@ -1,16 +1,18 @@
 //! Certified triangles of trimmed faces.
 
 use super::chart::Chart;
-use super::flat::{Flat, Trace, chord, coarse, flat, trace, without_seams};
+use super::flat::{Flat, MOST, Trace, coarse, flat, trace, without_seams};
 use super::region::{Region, RegionError, Run, region};
 use super::triangulate::{Failure, Triangles, triangulate};
+use super::whole::whole;
 use super::{Body, BodyError, Coedge};
 use crate::box3::Box3;
 use crate::breaks::inwards;
-use crate::interval::Interval;
+use crate::interval::greater;
+use crate::measure::tear;
 use crate::mesh::{Certainty, Mesh, MeshError, MeshOptions, MeshPatch, MeshVertex};
 use crate::parallel;
-use crate::surface::normal_at;
+use crate::surface::{Dir, normal_at};
 use glam::DVec3;
 use rustc_hash::FxHashMap;
 use thiserror::Error;
@@ -61,6 +63,20 @@ pub enum FaceError {
         /// How far it may be.
         allowed: f64,
     },
+    /// The surface jumps.
+    #[error("the surface is torn at {} = {at}: split it there", if *dir == Dir::U { 'u' } else { 'v' })]
+    Torn {
+        /// Which parameter.
+        dir: Dir,
+        /// Where.
+        at: f64,
+    },
+    /// A point of the surface is not finite.
+    #[error("the surface has no finite point at (u, v) = ({}, {})", uv[0], uv[1])]
+    NotFinite {
+        /// The parameters.
+        uv: [f64; 2],
+    },
     /// Too many triangles would be needed.
     #[error("more than {max} triangles are needed: raise the tolerance or the limit")]
     TooMany {
@@ -96,16 +112,22 @@ const LARGEST_WELD: f64 = 0.25;
 /// surfaces that close, faces may contain poles; seams are no borders. A face without loops is its whole surface, which must be
 /// closed. A face that has no mesh is in [`Meshed::failed`], and its patch is empty.
 ///
+/// A body of whole surfaces with the edges that [`sew`](super::sew) gives within the weld distance has the mesh of its surfaces.
+///
 /// What the deviation of a patch says: triangles and the part of the surface inside the polygon of the border's points,
 /// in the parameters, are within it of each other, both ways; and every point of an edge is within it of the
-/// border and of the surface. [`Certainty::Bounded`] is a proof from enclosed second derivatives (see `mesh/bound.rs`), and includes how far
+/// border and of the surface. [`Certainty::Bounded`] is a proof from enclosed second derivatives (see `body/bend.rs`), and includes how far
 /// the edges are from the surface at their points: it is more than the tolerance only by that. [`Certainty::Estimated`] means
-/// that a curve or surface could not enclose itself somewhere.
+/// that a curve or surface could not enclose itself somewhere, or that sides seem to meet, or to be one point, and no proof was found.
 ///
 /// # Errors
 /// See [`BodyMeshError`].
 pub fn mesh(body: &Body, options: &MeshOptions) -> Result<Meshed, BodyMeshError> {
-    Ok(Task::new(body, options)?.build())
+    let lengths = Lengths::new(body, options)?;
+    match whole(body, options, lengths) {
+        Some(meshed) => Ok(meshed),
+        None => Ok(Task::new(body, options)?.build()),
+    }
 }
 
 /// A box around the body: points of its edges, and faces without edges.
@@ -127,6 +149,41 @@ pub(super) fn hull(body: &Body) -> Box3 {
         .chain(all)
         .reduce(Box3::hull)
         .unwrap_or(Box3::ZERO)
+}
+
+/// The tolerance, the weld distance in it, and the error of points.
+#[derive(Clone, Copy)]
+pub(super) struct Lengths {
+    pub(super) tol: f64,
+    pub(super) weld: f64,
+    rounding: f64,
+}
+
+impl Lengths {
+    fn new(body: &Body, options: &MeshOptions) -> Result<Self, BodyMeshError> {
+        body.validate(f64::INFINITY)?;
+        let hull = hull(body);
+        let tol = options.tol.unwrap_or(DEFAULT_TOL * hull.diagonal());
+        if !(tol > 0.0 && tol.is_finite()) {
+            return Err(MeshError::Tolerance { tol }.into());
+        }
+        let far = hull.to_array().iter().fold(0.0f64, |a, i| a.max(i.mag()));
+        let rounding = ROUNDING * far;
+        let smallest = SMALLEST * rounding;
+        if tol < smallest {
+            return Err(MeshError::TooFine { tol, smallest }.into());
+        }
+        let weld = options.weld.unwrap_or(DEFAULT_WELD * tol);
+        if !(0.0..=LARGEST_WELD * tol).contains(&weld) {
+            return Err(MeshError::Weld { weld, tol }.into());
+        }
+        let weld = weld.max(2.0 * rounding);
+        Ok(Self {
+            tol,
+            weld,
+            rounding,
+        })
+    }
 }
 
 pub(super) struct Task<'a> {
@@ -155,24 +212,12 @@ struct Patch {
 impl<'a> Task<'a> {
     /// Follows all edges on all their surfaces.
     pub(super) fn new(body: &'a Body, options: &MeshOptions) -> Result<Self, BodyMeshError> {
-        body.validate(f64::INFINITY)?;
+        let Lengths {
+            tol,
+            weld,
+            rounding,
+        } = Lengths::new(body, options)?;
         let threads = options.threads.unwrap_or_else(parallel::all_threads);
-        let hull = hull(body);
-        let tol = options.tol.unwrap_or(DEFAULT_TOL * hull.diagonal());
-        if !(tol > 0.0 && tol.is_finite()) {
-            return Err(MeshError::Tolerance { tol }.into());
-        }
-        let far = hull.to_array().iter().fold(0.0f64, |a, i| a.max(i.mag()));
-        let rounding = ROUNDING * far;
-        let smallest = SMALLEST * rounding;
-        if tol < smallest {
-            return Err(MeshError::TooFine { tol, smallest }.into());
-        }
-        let weld = options.weld.unwrap_or(DEFAULT_WELD * tol);
-        if !(0.0..=LARGEST_WELD * tol).contains(&weld) {
-            return Err(MeshError::Weld { weld, tol }.into());
-        }
-        let weld = weld.max(2.0 * rounding);
         let charts = parallel::each(
             threads,
             body.faces.len(),
@@ -210,7 +255,9 @@ impl<'a> Task<'a> {
                     this.loops[i].iter().flatten().map(|c| c.edge).collect();
                 edges.sort_unstable();
                 edges.dedup();
-                let fresh = edges.into_iter().filter(|&e| changed[e]);
+                let fresh = edges
+                    .into_iter()
+                    .filter(|&e| changed[e] && !this.is_point(e));
                 let mut found = Vec::new();
                 for e in fresh {
                     if let Ok(flat) = &this.flats[e] {
@@ -239,7 +286,11 @@ impl<'a> Task<'a> {
                 chords.sort_unstable();
                 chords.dedup();
                 if let Ok(flat) = &mut self.flats[e] {
-                    if flat.points.len() + chords.len() > self.max {
+                    let most = self.max.min(MOST);
+                    if flat.points.len() + chords.len() > most {
+                        let why =
+                            format!("more than {most} points are needed: raise the tolerance");
+                        self.flats[e] = Err(why);
                         continue;
                     }
                     flat.halve(&chords, self.body.edges[e].curve.as_ref());
@@ -265,13 +316,19 @@ impl<'a> Task<'a> {
         self.starts.push(next);
     }
 
+    /// Whether an edge is no more than its vertex.
+    fn is_point(&self, edge: usize) -> bool {
+        let [a, b] = self.body.edges[edge].vertices;
+        a == b && matches!(&self.flats[edge], Ok(f) if f.is_point(self.weld))
+    }
+
     /// The number of the first point of a face's own.
     fn first(&self) -> u32 {
         self.starts[self.body.edges.len()]
     }
 
     /// The points of all edges.
-    fn shared(&self) -> Vec<DVec3> {
+    pub(super) fn shared(&self) -> Vec<DVec3> {
         let vertices = self.body.vertices.iter().map(|v| v.point);
         let inside = self.flats.iter().filter_map(|f| f.as_ref().ok());
         let inside = inside.flat_map(|f| f.points[1..f.points.len() - 1].iter().copied());
@@ -325,18 +382,25 @@ impl<'a> Task<'a> {
 
     /// The region of a face.
     pub(super) fn region(&self, face: usize) -> Result<Region, FaceError> {
-        let runs = |l: &Vec<Coedge>| l.iter().map(|&c| self.run(face, c)).collect();
-        let loops: Vec<Vec<Run>> = self.loops[face]
+        let chart = &self.charts[face];
+        if let Some((dir, at)) = tear(chart.surface) {
+            return Err(FaceError::Torn { dir, at });
+        }
+        let runs = |l: &Vec<Coedge>| -> Result<Vec<Run>, FaceError> {
+            let edges = l.iter().filter(|c| !self.is_point(c.edge));
+            edges.map(|&c| self.run(face, c)).collect()
+        };
+        let mut loops: Vec<Vec<Run>> = self.loops[face]
             .iter()
             .map(runs)
             .collect::<Result<_, _>>()?;
+        loops.retain(|l| !l.is_empty());
         let first = self.first();
-        let chart = &self.charts[face];
-        Ok(region(chart, &loops, first, CHORD * self.tol)?)
+        Ok(region(chart, &loops, first, [CHORD * self.tol, self.tol])?)
     }
 
     /// Puts the triangles around poles to the others.
-    fn fans(&self, face: usize, region: &mut Region, to: &mut Triangles) {
+    fn fans(&self, face: usize, region: &mut Region, to: &mut Triangles, allowed: f64) {
         let chart = &self.charts[face];
         for fan in std::mem::take(&mut region.fans) {
             let pole = self.vertex_at(face, fan.pole.point).unwrap_or_else(|| {
@@ -346,13 +410,17 @@ impl<'a> Task<'a> {
             for w in fan.ring.windows(2) {
                 let top = [0.5 * (w[0].0[0] + w[1].0[0]), fan.y];
                 let [a, b, c] = [w[0].0, w[1].0, top].map(|xy| region.plane.uv(xy));
-                // The whole rectangle up to the pole: its other part is the side of the triangle in space.
-                let bend = chart.bend([0, 1].map(|d| {
-                    let hull = Interval::new(a[d], b[d]);
-                    hull.hull(Interval::point(c[d]))
-                }));
-                to.bound = to.bound.max(bend.bound);
-                to.proven &= bend.proven;
+                // What is over the whole rectangle up to the pole: two triangles, one of which is only a side in space.
+                let [p, q] = [a, b].map(|p| {
+                    let d = fan.pole.d;
+                    if d == 0 { [c[0], p[1]] } else { [p[0], c[1]] }
+                });
+                for t in [[a, b, q], [a, q, p]] {
+                    let bend = chart.triangle(t, allowed);
+                    // The side is not one point to the last bit, nor need the tip be on it.
+                    to.bound = greater(to.bound, bend.bound + 2.0 * fan.pole.size);
+                    to.proven &= bend.proven;
+                }
                 let k = to.vertices.len() as u32;
                 to.vertices.extend([(a, w[0].1), (b, w[1].1), (c, pole)]);
                 to.triangles.push(if fan.upper {
@@ -420,13 +488,21 @@ impl<'a> Task<'a> {
             Failure::TooMany(max) => FaceError::TooMany { max },
             Failure::NotReached(deviation) => FaceError::NotReached { deviation },
         })?;
-        self.fans(face, &mut region, &mut triangles);
+        self.fans(face, &mut region, &mut triangles, allowed);
+        if triangles.bound.is_nan() || triangles.bound > allowed {
+            let deviation = triangles.bound;
+            return Err(FaceError::NotReached { deviation });
+        }
         let forward = self.body.faces[face].forward;
         let deviation = self.deviation(face, &region, &triangles, shared);
-        let point = |id: u32| {
-            let inside = id.checked_sub(self.first());
-            inside.map_or_else(|| shared[id as usize], |k| region.own[k as usize])
-        };
+        for &(uv, id) in &triangles.vertices {
+            let own = id.checked_sub(self.first());
+            let p = own.map_or_else(|| shared[id as usize], |k| region.own[k as usize]);
+            if !p.is_finite() {
+                let uv = chart.wrapped(uv);
+                return Err(FaceError::NotFinite { uv });
+            }
+        }
         let vertices: Vec<MeshVertex> = triangles
             .vertices
             .iter()
@@ -453,7 +529,6 @@ impl<'a> Task<'a> {
             }
             list.push(t);
         }
-        debug_assert!(vertices.iter().all(|v| point(v.point).is_finite()));
         Ok(Patch {
             patch: MeshPatch {
                 vertices,
@@ -474,29 +549,30 @@ impl<'a> Task<'a> {
         shared: &[DVec3],
     ) -> Certainty {
         let chart = &self.charts[face];
-        let mut proven = triangles.proven;
+        let mut proven = triangles.proven && chart.proven;
         // Own points are on the surface; those of the border may be off.
         let off = triangles.vertices.iter().filter_map(|&(uv, id)| {
             let p = shared.get(id as usize)?;
             Some(chart.point(uv).distance(*p))
         });
-        let off = off.fold(0.0, f64::max);
+        let off = off.fold(0.0, greater);
         let mut border = 0.0f64;
         for polygon in &region.polygons {
             for (k, c) in polygon.iter().enumerate() {
                 if let super::region::Step::Edge { edge, .. } = c.step {
                     let next = polygon[(k + 1) % polygon.len()];
-                    let bend = chord(chart, [c.xy, next.xy].map(|p| region.plane.uv(p)));
+                    let ends = [c.xy, next.xy].map(|p| region.plane.uv(p));
+                    let bend = chart.chord(ends, CHORD * self.tol);
                     proven &= bend.proven;
                     let Ok(flat) = &self.flats[edge] else {
                         continue;
                     };
                     proven &= !matches!(flat.deviation, Certainty::Estimated(_));
-                    border = border.max(bend.bound + flat.deviation.error());
+                    border = greater(border, bend.bound + flat.deviation.error());
                 }
             }
         }
-        let e = triangles.bound.max(border) + off + chart.slit + self.rounding;
+        let e = greater(triangles.bound, border) + off + chart.slit + self.rounding;
         if proven {
             Certainty::Bounded(e)
         } else {

@@ -10,7 +10,9 @@
 //!      ── vertices: points
 //! ```
 
+mod bend;
 mod chart;
+mod closing;
 mod cover;
 mod cut;
 mod error;
@@ -22,6 +24,7 @@ mod sew;
 mod shells;
 mod transform;
 mod triangulate;
+mod whole;
 
 pub use cover::{CoverError, cover};
 pub use error::BodyError;
@@ -64,7 +67,7 @@ pub struct Edge {
     /// The vertices at the start and the end of the curve; equal for a closed edge.
     pub vertices: [usize; 2],
     /// No point of the curve is claimed to be farther than this from the surfaces it bounds, nor its ends from their
-    /// vertices. What a file states, or 0; what is true is measured where it matters.
+    /// vertices. Finite; what a file states, or 0. What is true is measured where it matters.
     pub tolerance: f64,
 }
 
@@ -116,8 +119,9 @@ impl Body {
         if c.forward { [a, b] } else { [b, a] }
     }
 
-    /// Checks that every index exists, that every number is finite, that loops are closed and not empty, and that the
-    /// curves of edges end within `tol` of their vertices (or the edge's own tolerance, whichever is larger).
+    /// Checks that every index exists, that every number is finite and no tolerance negative, that loops are closed and not
+    /// empty, and that the curves of edges end within `tol` of their vertices (or the edge's own tolerance, whichever is
+    /// larger).
     ///
     /// # Errors
     /// The first thing that is wrong, with its place and numbers.
@@ -137,11 +141,15 @@ impl Body {
         }
         for (edge, e) in self.edges.iter().enumerate() {
             let ends = e.curve.ends();
+            let tolerance = e.tolerance;
+            if !(tolerance.is_finite() && tolerance >= 0.0) {
+                return Err(BodyError::Tolerance { edge, tolerance });
+            }
             for end in 0..2 {
                 some("vertex", e.vertices[end], self.vertices.len())?;
                 let distance = ends[end].distance(self.vertices[e.vertices[end]].point);
-                let allowed = tol.max(e.tolerance);
-                if distance.is_nan() || distance > allowed {
+                let allowed = tol.max(tolerance);
+                if !distance.is_finite() || distance > allowed {
                     return Err(BodyError::End {
                         edge,
                         end,

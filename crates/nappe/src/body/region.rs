@@ -181,8 +181,17 @@ impl Chain {
         (0..n).map(cross).sum()
     }
 
+    /// The mean of y over x, of a loop that goes around: how many corners there are says nothing.
     pub(super) fn mean_y(&self) -> f64 {
-        self.corners.iter().map(|c| c.xy[1]).sum::<f64>() / self.corners.len() as f64
+        let n = self.corners.len();
+        let step = |k: usize| {
+            let (a, mut b) = (self.corners[k].xy, self.corners[(k + 1) % n].xy);
+            if k + 1 == n {
+                b = [b[0] + self.shift[0], b[1] + self.shift[1]];
+            }
+            0.5 * (a[1] + b[1]) * (b[0] - a[0])
+        };
+        (0..n).map(step).sum::<f64>() / self.shift[0]
     }
 }
 
@@ -211,16 +220,17 @@ pub(super) struct Fan {
 
 /// The region that runs bound; each loop with the region on its left.
 ///
-/// `first` is the number of the first own point, `allowed` how far straight lines may be from the surface.
+/// `first` is the number of the first own point, `allowed` how far straight lines may be from the surface. Vertices within
+/// `tol` of a pole may be that pole.
 pub(super) fn region(
     chart: &Chart,
     loops: &[Vec<Run>],
     first: u32,
-    allowed: f64,
+    [allowed, tol]: [f64; 2],
 ) -> Result<Region, RegionError> {
     let chains = |turned: bool| -> Result<(Plane, Vec<Chain>), RegionError> {
         let plane = Plane::new(chart, turned);
-        let one = |(number, runs): (usize, &Vec<Run>)| chain(chart, plane, number, runs);
+        let one = |(number, runs): (usize, &Vec<Run>)| chain(chart, plane, number, runs, tol);
         Ok((
             plane,
             loops
@@ -392,11 +402,12 @@ const PARTS: [usize; 2] = [8, 1024];
 /// Parts of a line along x over one period, no part of which bends by more than allowed, nor does what is beside it.
 fn parts(chart: &Chart, plane: Plane, x: f64, y: [f64; 2], period: f64, allowed: f64) -> usize {
     let fits = |n: usize| {
-        (0..8).all(|k| {
-            let x = x + period * k as f64 / 8.0;
+        let all = n.min(RING);
+        (0..all).all(|k| {
+            let x = x + period * k as f64 / all as f64;
             let [a, b] = [[x, y[0]], [x + period / n as f64, y[1]]].map(|p| plane.uv(p));
             let over = [0, 1].map(|d| crate::Interval::new(a[d].min(b[d]), a[d].max(b[d])));
-            chart.bend(over).bound <= allowed
+            chart.cell(over, allowed).bound <= allowed
         })
     };
     let mut n = PARTS[0];
@@ -564,7 +575,13 @@ const JUMP: f64 = 0.02;
 const AT_POLE: f64 = 1e-6;
 
 /// A loop in the plane.
-fn chain(chart: &Chart, plane: Plane, number: usize, runs: &[Run]) -> Result<Chain, RegionError> {
+fn chain(
+    chart: &Chart,
+    plane: Plane,
+    number: usize,
+    runs: &[Run],
+    tol: f64,
+) -> Result<Chain, RegionError> {
     let domain = chart.domain.map(|d| d.width());
     let width = if plane.turned {
         [domain[1], domain[0]]
@@ -589,14 +606,18 @@ fn chain(chart: &Chart, plane: Plane, number: usize, runs: &[Run]) -> Result<Cha
         let end = plane.xy(run.uv[last]);
         let end = [end[0] + shift[0], end[1] + shift[1]];
         let next = plane.xy(runs.get(after + 1).map_or(runs[0].uv[0], |r| r.uv[0]));
-        let pole = [false, true].into_iter().find(|&upper| {
-            plane
-                .pole(chart, upper)
-                .is_some_and(|(_, y)| (end[1] - y).abs() <= AT_POLE * width[1])
-        });
         let mut to = [0, 1].map(|d| match plane.period[d] {
             Some(p) => next[d] + ((end[d] - next[d]) / p).round() * p,
             None => next[d],
+        });
+        let jumps = (0..2).any(|d| (to[d] - end[d]).abs() > JUMP * width[d]);
+        let pole = [false, true].into_iter().find(|&upper| {
+            plane.pole(chart, upper).is_some_and(|(pole, y)| {
+                let near = (end[1] - y).abs() <= AT_POLE * width[1];
+                // A vertex that is a little off, from where edges go on in different directions.
+                let far = || chart.point(plane.uv(end)).distance(pole.point);
+                near || (jumps && far() <= tol)
+            })
         });
         if let Some(upper) = pole {
             let y = plane.pole(chart, upper).map_or(end[1], |(_, y)| y);
@@ -616,7 +637,7 @@ fn chain(chart: &Chart, plane: Plane, number: usize, runs: &[Run]) -> Result<Cha
                     step: Step::Straight,
                 });
             }
-        } else if (0..2).any(|d| (to[d] - end[d]).abs() > JUMP * width[d]) {
+        } else if jumps {
             return Err(RegionError::Jump {
                 number,
                 after,

@@ -76,6 +76,11 @@ pub fn sew(surfaces: &[SurfaceRef], weld: f64) -> Sewn {
     sewn
 }
 
+/// What [`sew`] makes of surfaces that meet along whole sides only, without shells: the mesh of the surfaces joins the same.
+pub(super) fn sides(surfaces: &[SurfaceRef], weld: f64) -> Body {
+    Sides::new(surfaces, &joints(surfaces, weld)).body()
+}
+
 /// The relative error of two points, as a share of the largest coordinate.
 const ROUNDING: f64 = 2e-13;
 

@@ -2,13 +2,14 @@
 
 use super::chart::Chart;
 use super::region::{Corner, Region, RegionError};
-use crate::interval::Interval;
+use crate::interval::{Interval, greater};
 use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
 use spade::{
     ConstrainedDelaunayTriangulation, HasPosition, Point2, PositionInTriangulation, Triangulation,
 };
+use std::collections::VecDeque;
 
 /// A vertex: its place in the scaled plane, and its index.
 struct Node {
@@ -51,6 +52,8 @@ impl From<RegionError> for Failure {
 
 /// Cells of this share of the tolerance give points inside: triangles between them are about as good.
 const SHARE: f64 = 0.5;
+/// The most cells: the triangles that are still too far are divided later.
+const SEEDS: usize = 1 << 18;
 /// Rounds of points put where triangles are too far.
 const ROUNDS: usize = 60;
 /// The least distance of points inside from the border, in cells.
@@ -134,19 +137,28 @@ fn seeds(
         return Err(RegionError::Empty.into());
     }
     let whole = [[us[0], us[us.len() - 1]], [vs[0], vs[vs.len() - 1]]];
-    let mut waiting: Vec<[Interval; 2]> = Vec::new();
+    let mut waiting: VecDeque<[Interval; 2]> = VecDeque::new();
     for u in us.windows(2) {
         for v in vs.windows(2) {
-            waiting.push([Interval::new(u[0], u[1]), Interval::new(v[0], v[1])]);
+            waiting.push_back([Interval::new(u[0], u[1]), Interval::new(v[0], v[1])]);
         }
     }
     let (mut places, mut leaves, mut logs) = (FxHashSet::default(), 0usize, [0.0; 2]);
-    while let Some(cell) = waiting.pop() {
-        let bend = chart.bend(cell);
+    let extent = whole.map(|[lo, hi]| hi - lo);
+    // Level by level: what is left out is finer everywhere.
+    while let Some(cell) = waiting.pop_front() {
+        let enough = leaves + waiting.len() >= SEEDS.min(max);
+        let bend = chart.cell(cell, allowed);
         let [a, b] = bend.terms;
         let fine = cell.map(|i| i.width() <= 1e-9 * (1.0 + i.mag()));
-        if bend.bound > allowed && !(fine[0] || fine[1]) {
-            let d = usize::from(b > a || a.is_nan());
+        if bend.bound > allowed && !(fine[0] || fine[1]) && !enough {
+            let d = if a.is_finite() && b.is_finite() {
+                usize::from(b > a)
+            } else {
+                // Nothing is known: by the shape.
+                let [x, y] = [0, 1].map(|d| cell[d].width() / extent[d]);
+                usize::from(y > x)
+            };
             let mid = cell[d].mid();
             let mut halves = [cell; 2];
             halves[0][d].hi = mid;
@@ -163,9 +175,6 @@ fn seeds(
                     }
                 }
             }
-        }
-        if leaves + waiting.len() > max {
-            return Err(Failure::TooMany(max));
         }
     }
     let mut cell = logs.map(|l| (l / leaves as f64).exp());
@@ -239,6 +248,17 @@ impl Work<'_> {
                 if along.is_empty() {
                     let uv = self.uv(polygon[k].xy);
                     return Err(RegionError::Crosses { uv }.into());
+                }
+                // Through another vertex: the neighbour's chord has none there.
+                if along.len() > 1 {
+                    let e = self.cdt.directed_edge(along[0]);
+                    let ends = [e.from(), e.to()].map(|v| (v.fix(), v.index()));
+                    let inner = ends
+                        .iter()
+                        .find(|(v, _)| *v != a)
+                        .map_or(a.index(), |v| v.1);
+                    let uv = self.uv(self.nodes[inner].0);
+                    return Err(RegionError::Touches { uv }.into());
                 }
                 for e in along {
                     let e = self.cdt.directed_edge(e);
@@ -359,9 +379,8 @@ impl Work<'_> {
 
     /// Adds points until all triangles are near enough.
     fn refine(&mut self, allowed: f64, max: usize) -> Result<Triangles, Failure> {
-        let mut known: FxHashMap<[usize; 3], f64> = FxHashMap::default();
+        let mut known: FxHashMap<[usize; 3], (f64, bool)> = FxHashMap::default();
         let mut turned: FxHashMap<[usize; 3], bool> = FxHashMap::default();
-        let mut proven = true;
         for round in 0..ROUNDS {
             let inside = self.inside();
             let mut out = Triangles {
@@ -371,28 +390,29 @@ impl Work<'_> {
                 proven: true,
             };
             let mut wanted: Vec<[f64; 2]> = Vec::new();
+            // What is known of triangles that are no more is forgotten.
+            let before = (std::mem::take(&mut known), std::mem::take(&mut turned));
             let mut halved: FxHashSet<[usize; 2]> = FxHashSet::default();
             for face in self.cdt.inner_faces().filter(|f| inside[f.index()]) {
                 let t = face.vertices().map(|v| v.index());
                 let mut key = t;
                 key.sort_unstable();
                 let corners = t.map(|k| self.nodes[k].0);
-                let bound = *known.entry(key).or_insert_with(|| {
+                let (bound, proven) = before.0.get(&key).copied().unwrap_or_else(|| {
                     let uv = corners.map(|c| self.region.plane.uv(c));
-                    let over = [0, 1].map(|d| {
-                        let c = uv.map(|p| p[d]);
-                        Interval::new(c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2]))
-                    });
-                    let bend = self.chart.bend(over);
-                    proven &= bend.proven;
-                    bend.bound
+                    let bend = self.chart.triangle(uv, allowed);
+                    (bend.bound, bend.proven)
                 });
-                out.bound = out.bound.max(bound);
-                let mut turned = || {
-                    let again = turned.entry(key);
-                    round < TURNED_ROUNDS && *again.or_insert_with(|| self.is_turned_over(t))
+                known.insert(key, (bound, proven));
+                out.proven &= proven;
+                out.bound = greater(out.bound, bound);
+                let is_turned = bound <= allowed && round < TURNED_ROUNDS && {
+                    let again = before.1.get(&key).copied();
+                    let again = again.unwrap_or_else(|| self.is_turned_over(t));
+                    turned.insert(key, again);
+                    again
                 };
-                if bound <= allowed && !turned() {
+                if bound <= allowed && !is_turned {
                     out.triangles.push(t.map(|k| k as u32));
                     continue;
                 }
@@ -420,13 +440,12 @@ impl Work<'_> {
                     .iter()
                     .map(|&(xy, id)| (self.uv(xy), id))
                     .collect();
-                out.proven = proven;
                 return Ok(out);
             }
             if out.triangles.len() + 2 * wanted.len() > max {
                 return Err(Failure::TooMany(max));
             }
-            let before = self.nodes.len();
+            let count = self.nodes.len();
             for xy in wanted {
                 let free = match self.cdt.locate(self.place(xy)) {
                     PositionInTriangulation::OnFace(_) => true,
@@ -439,7 +458,7 @@ impl Work<'_> {
                     self.add(xy);
                 }
             }
-            if self.nodes.len() == before {
+            if self.nodes.len() == count {
                 return Err(Failure::NotReached(out.bound));
             }
         }

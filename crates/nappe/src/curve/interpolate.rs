@@ -74,7 +74,7 @@ pub fn interpolate_like(
 }
 
 /// The points of a closed list without the first at its end.
-fn given_once(points: &[DVec3], closed: bool) -> &[DVec3] {
+pub(crate) fn given_once(points: &[DVec3], closed: bool) -> &[DVec3] {
     match points {
         [first, rest @ .., last] if closed && first == last && !rest.is_empty() => {
             &points[..points.len() - 1]
@@ -307,7 +307,11 @@ fn periodic(points: &[DVec3], at: &[f64], p: usize) -> Solved {
 }
 
 /// Solves equations whose band runs on cyclically: the last `p` unknowns are eliminated from the banded rest.
-fn cyclic(rows: &[Vec<(usize, f64)>], sides: &[Vec<f64>], p: usize) -> Option<Vec<Vec<f64>>> {
+pub(crate) fn cyclic(
+    rows: &[Vec<(usize, f64)>],
+    sides: &[Vec<f64>],
+    p: usize,
+) -> Option<Vec<Vec<f64>>> {
     let n = rows.len();
     let m = n - p;
     let mut matrix = Banded::new(m, p);

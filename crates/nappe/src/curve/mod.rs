@@ -16,7 +16,7 @@ mod ellipse;
 mod error;
 mod expression;
 mod hermite;
-mod interpolate;
+pub(crate) mod interpolate;
 mod isocurve;
 mod joined;
 mod line;

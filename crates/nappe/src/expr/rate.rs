@@ -38,7 +38,9 @@ impl Bound {
                     .collect(),
             })
             .collect();
-        let mut run = Run::new(self, &enclosed, 1, None);
+        // What does not change is a number: rounding must not put a switch of constants in doubt.
+        let folded = self.folded();
+        let mut run = Run::new(&folded, &enclosed, 1, None);
         let range = run.result()?.c[1];
         let open = run.outcomes.contains(&Outcome::Open);
         let one = range.is_finite() && range.width() <= SAME_RATE * range.mag();
@@ -48,9 +50,47 @@ impl Bound {
         Ok(Slope::One(rate))
     }
 
+    /// The same expression with the value of each part without variables in its place.
+    fn folded(&self) -> Bound {
+        let mut expr = (*self.expr).clone();
+        for (i, node) in expr.nodes.iter_mut().enumerate() {
+            if node.op.arguments() > 0
+                && self.constant[i]
+                && let Some(x) = self.constant_value(i as u32)
+            {
+                node.op = Op::Number(x);
+            }
+        }
+        Bound::new(expr, self.meanings.clone(), self.variables.clone())
+    }
+
+    /// The rate of a part in which no variable occurs, from the values that change and their rates. `None`: it is on a kink, or
+    /// has none.
+    fn part_rate(&self, part: usize, rates: &[(&str, f64)]) -> Option<f64> {
+        let mut meanings = self.meanings.clone();
+        let (mut variables, mut at) = (Vec::new(), Vec::new());
+        for (name, meaning) in self.expr.names.iter().zip(&mut meanings) {
+            let rate = rates.iter().find(|(n, _)| n == name);
+            if let (Meaning::Value(x), Some((_, rate))) = (*meaning, rate) {
+                *meaning = Meaning::Variable(variables.len());
+                variables.push(name.clone());
+                at.push([x, *rate]);
+            }
+        }
+        let expr = Expr {
+            nodes: self.expr.nodes[..=part].to_vec(),
+            ..(*self.expr).clone()
+        };
+        match Bound::new(expr, meanings, variables).slope(&at) {
+            Ok(Slope::One(rate)) if rate.is_finite() => Some(rate),
+            _ => None,
+        }
+    }
+
     /// The derivative with respect to a number on which some values depend, as an expression of the same variables; `rates`
     /// gives the rates of these values by name. Switches stay where they are: `Err` is the place of one (`abs`, `min`,
-    /// `max`, `floor`, `ceil`, a comparison) that moves along the variables, so that the derivative jumps there.
+    /// `max`, `floor`, `ceil`, a comparison) that moves along the variables, so that the derivative jumps there, or that is
+    /// on its kink whatever the variables are.
     pub fn rate(&self, rates: &[(&str, f64)]) -> Result<Bound, Range<usize>> {
         let moving = |i: usize| {
             let name = self.expr.names[i].as_str();
@@ -67,6 +107,16 @@ impl Bound {
                 Op::Name(k) => moving(k as usize)
                     .filter(|rate| *rate != 0.0)
                     .map(|rate| tree.number(rate, &node.span)),
+                // The same formula holds for all values of the variables.
+                op if op.is_switch()
+                    && self.constant[i]
+                    && node.args[..op.arguments()]
+                        .iter()
+                        .any(|&a| derived[a as usize].is_some()) =>
+                {
+                    let rate = self.part_rate(i, rates).ok_or(node.span.clone())?;
+                    (rate != 0.0).then(|| tree.number(rate, &node.span))
+                }
                 _ => tree.derivative(i as u32, &node, &derived)?,
             };
             derived.push(own);
@@ -318,6 +368,40 @@ mod tests {
                     .unwrap_err(),
                 place
             );
+        }
+    }
+
+    #[test]
+    fn a_switch_that_does_not_move_along_the_variables_is_none() {
+        let at = |text: &str, p: f64| bound(text, &["t"], &[("p", p)]).rate(&[("p", 2.0)]);
+        for (text, p, want) in [
+            ("abs(p)*t", -3.0, -2.0 * 0.4),
+            ("max(p, 3)*t", 4.0, 2.0 * 0.4),
+            ("max(p, 3)*t", 2.0, 0.0),
+            ("if(p < 3, t, 2*t)*p", 2.0, 2.0 * 0.4),
+            ("if(p < 3, t, p*t)", 4.0, 2.0 * 0.4),
+            ("floor(p)*t + p", 2.5, 2.0),
+            ("abs(p - t/t)*p*t", 4.0, f64::NAN),
+        ] {
+            match at(text, p) {
+                Ok(rate) => assert!((rate.value(&[0.4]).unwrap() - want).abs() < 1e-14, "{text}"),
+                Err(_) => assert!(want.is_nan(), "{text}"),
+            }
+        }
+        assert_eq!(at("2*max(p, 3)*t", 3.0).unwrap_err(), 2..11);
+    }
+
+    #[test]
+    fn constants_at_a_switch_are_no_kinks() {
+        // 4/2 is 2, whatever enclosures of quotients say.
+        for (text, want) in [
+            ("floor(n/2)", 0.0),
+            ("p*floor(n/2)", 2.0),
+            ("if(n/2 < 2, p^2, 3*p)", 3.0),
+            ("max(n/2, 2)*p", 2.0),
+        ] {
+            let slope = bound(text, &["p"], &[("n", 4.0)]).slope(&[[5.0, 1.0]]);
+            assert_eq!(slope.unwrap(), Slope::One(want), "{text}");
         }
     }
 

@@ -15,9 +15,10 @@ use super::inertia::Inertia;
 use super::integral::{
     DEGREE, Expansion, Form, Goal, IntegralOptions, Measured, ORDER, integrate, measured,
 };
+use super::opening::{Opening, opening};
 use super::solid::{PAIRS, Solid};
 use super::taylor::{Patch, Taylor};
-use super::volume::openings;
+use super::volume::{joints_of, openings};
 use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit, merge_breaks};
 use crate::interval::Interval;
@@ -30,7 +31,7 @@ use glam::DVec3;
 pub struct Moving {
     /// The surface.
     pub surface: SurfaceRef,
-    /// Its velocity.
+    /// Its velocity, at fixed parameters or of points that slide along these, continuously: the figures are the same.
     pub velocity: Option<SurfaceRef>,
 }
 
@@ -66,7 +67,7 @@ impl Moving {
     }
 
     /// The greatest speed found at samples.
-    fn speed(&self) -> f64 {
+    pub(super) fn speed(&self) -> f64 {
         const STEPS: usize = 8;
         let Some(velocity) = &self.velocity else {
             return 0.0;
@@ -242,13 +243,19 @@ const UNTOLD: f64 = 0.1;
 /// distance within which sides were joined, both as given to [`solids`](super::solids).
 ///
 /// Proven as the volume is: gaps along the joints count with the area of the strips that close them times the greatest
-/// speed.
+/// speed. Error: a joint opens (found at samples), so that nothing is closed beside this place.
 pub fn solid_rate(
     parts: &[Moving],
     solid: &Solid,
     weld: Option<f64>,
     options: &IntegralOptions,
-) -> SolidRate {
+) -> Result<SolidRate, Opening> {
+    let surfaces: Vec<SurfaceRef> = parts.iter().map(|m| m.surface.clone()).collect();
+    let (joined, weld) = joints_of(&surfaces, &solid.shell, weld);
+    let is_own = |k: usize| solid.shell.surfaces.iter().any(|f| f.0 == k);
+    if let Some(opening) = opening(parts, &joined, is_own, weld) {
+        return Err(opening);
+    }
     let own: Vec<&Moving> = solid.shell.surfaces.iter().map(|f| &parts[f.0]).collect();
     let cloned: Vec<Moving> = own.iter().map(|m| (*m).clone()).collect();
     let half = reach(&cloned).max(f64::MIN_POSITIVE);
@@ -301,9 +308,8 @@ pub fn solid_rate(
             };
         }
     }
-    let surfaces: Vec<SurfaceRef> = parts.iter().map(|m| m.surface.clone()).collect();
     let (strips, strips_proven) = if fastest > 0.0 {
-        openings(&surfaces, &solid.shell, weld, options)
+        openings(&surfaces, &solid.shell, &joined, weld, options)
     } else {
         (0.0, true)
     };
@@ -346,12 +352,12 @@ pub fn solid_rate(
     let principal = tensor
         .zip(solid.inertia)
         .and_then(|(t, i)| principal(&t, &i, proven));
-    SolidRate {
+    Ok(SolidRate {
         volume: certainty(volume, proven),
         centroid,
         inertia: tensor.map(|t| t.map(|row| row.map(|x| certainty(x, proven)))),
         principal,
-    }
+    })
 }
 
 /// The rates of the principal moments: `x · T' x` for unit axes x. An axis that is off by an angle θ changes that by
@@ -388,6 +394,10 @@ const CELLS: usize = 3000;
 const ROUNDS: usize = 80;
 /// Relative to the greatest speed: a range narrower than this needs no more work.
 const CLOSE: f64 = 1e-9;
+/// Relative to the size: a cell whose greatest point and bound differ by less is flat.
+const FLAT: f64 = 1e-12;
+/// Relative to size and speed: less is rounding.
+const NO_CHANGE: f64 = 1e-13;
 /// Wider than this, it tells that the face touches in several places.
 const APART: f64 = 1e-3;
 
@@ -397,6 +407,8 @@ pub fn face_rate(parts: &[Moving], axis: usize, greatest: bool) -> Option<FaceRa
         part: usize,
         uv: [Interval; 2],
         most: f64,
+        /// The greatest at points of it that were looked at.
+        found: f64,
         depth: [usize; 2],
     }
     let signed = |b: Box3| {
@@ -425,6 +437,7 @@ pub fn face_rate(parts: &[Moving], axis: usize, greatest: bool) -> Option<FaceRa
                     part,
                     uv,
                     most,
+                    found: f64::NEG_INFINITY,
                     depth: [0; 2],
                 });
             }
@@ -435,11 +448,29 @@ pub fn face_rate(parts: &[Moving], axis: usize, greatest: bool) -> Option<FaceRa
         Some(v) => v.bounds(c.uv).to_array()[axis],
         None => Interval::ZERO,
     };
+    let size = reach(parts).max(f64::MIN_POSITIVE);
+    // How much place and velocity change along a direction, through the middle of a cell.
+    let varies = |c: &Cell, d: usize| {
+        let along = [c.uv[d].lo, c.uv[d].mid(), c.uv[d].hi].map(|t| {
+            let mut uv = c.uv.map(Interval::mid);
+            uv[d] = t;
+            let place = parts[c.part].surface.point(uv)[axis] / size;
+            let own = parts[c.part].velocity.as_ref();
+            let rate = own.map_or(0.0, |v| v.point(uv)[axis] / speed);
+            [place, rate]
+        });
+        let width = |k: usize| {
+            let [a, b, c] = along.map(|x| x[k]);
+            a.max(b).max(c) - a.min(b).min(c)
+        };
+        let sum = width(0) + width(1);
+        if sum > NO_CHANGE { sum } else { 0.0 }
+    };
     let mut looks = 0;
     let mut range: Option<Interval> = None;
     for _ in 0..ROUNDS {
         // Corners and middles are points of the surface: the face is beyond all of them.
-        for c in &cells {
+        for c in &mut cells {
             let [u, v] = c.uv;
             for uv in [
                 [u.mid(), v.mid()],
@@ -449,13 +480,11 @@ pub fn face_rate(parts: &[Moving], axis: usize, greatest: bool) -> Option<FaceRa
                 [u.hi, v.hi],
             ] {
                 let point = parts[c.part].surface.bounds(uv.map(Interval::point));
-                let least = signed(point).lo;
-                if least > best {
-                    best = least;
-                }
+                c.found = c.found.max(signed(point).lo);
             }
         }
-        cells.retain(|c| !(c.most < best));
+        best = cells.iter().fold(best, |best, c| best.max(c.found));
+        cells.retain(|c| c.most >= best || c.most.is_nan());
         let now = cells.iter().map(&velocity).reduce(Interval::hull)?;
         range = Some(range.map_or(now, |r| r.meet(now)));
         looks += cells.len();
@@ -464,7 +493,19 @@ pub fn face_rate(parts: &[Moving], axis: usize, greatest: bool) -> Option<FaceRa
         }
         let mut next = Vec::with_capacity(2 * cells.len());
         for c in cells {
-            let d = usize::from(c.depth[1] < c.depth[0]);
+            // Flat in the face, and moving as one: nothing would come of halves.
+            let flat = c.most - c.found <= FLAT * size.max(c.most.abs());
+            if flat && velocity(&c).width() <= CLOSE * speed {
+                next.push(c);
+                continue;
+            }
+            let [du, dv] = [0, 1].map(|d| varies(&c, d));
+            let by_depth = usize::from(c.depth[1] < c.depth[0]);
+            let d = if du == dv {
+                by_depth
+            } else {
+                usize::from(dv > du)
+            };
             let m = c.uv[d].mid();
             let mut depth = c.depth;
             depth[d] += 1;
@@ -479,6 +520,7 @@ pub fn face_rate(parts: &[Moving], axis: usize, greatest: bool) -> Option<FaceRa
                 next.push(Cell {
                     uv,
                     most,
+                    found: f64::NEG_INFINITY,
                     depth,
                     ..c
                 });

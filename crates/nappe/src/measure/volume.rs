@@ -252,19 +252,29 @@ fn body_holes(
     holes(surfaces, &joints, &points, weld, enough)
 }
 
+/// How the surfaces of a shell meet, and the distance within which they do.
+pub(super) fn joints_of(
+    surfaces: &[SurfaceRef],
+    shell: &Shell,
+    weld: Option<f64>,
+) -> (Joints, f64) {
+    let hull = hull(shell.surfaces.iter().map(|f| &surfaces[f.0]));
+    let weld = weld.unwrap_or_else(|| WELD * hull.diagonal());
+    (joints(surfaces, weld), weld)
+}
+
 /// The area that closes the gaps of a shell, and whether it is proven.
 pub(super) fn openings(
     surfaces: &[SurfaceRef],
     shell: &Shell,
-    weld: Option<f64>,
+    joined: &Joints,
+    weld: f64,
     options: &IntegralOptions,
 ) -> (f64, bool) {
     let hull = hull(shell.surfaces.iter().map(|f| &surfaces[f.0]));
-    let weld = weld.unwrap_or_else(|| WELD * hull.diagonal());
     let reach = 0.5 * hull.diagonal() * ROUND_UP;
     let enough = options.relative * shell.volume.value.abs() * STRIP_SHARE / reach;
-    let joined = joints(surfaces, weld);
-    let holes = body_holes(surfaces, &joined, &shell.surfaces, weld, enough);
+    let holes = body_holes(surfaces, joined, &shell.surfaces, weld, enough);
     (holes.area, holes.proven)
 }
 

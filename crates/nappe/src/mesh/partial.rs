@@ -37,6 +37,9 @@ pub struct PartialJoint {
     /// The ranges of `part` and of `along` that run along each other from end to end, in either direction: one, or two
     /// where the seam of a closed side is between its ends.
     pub stretches: [Option<[Interval; 2]>; 2],
+    /// False if at an end of the stretch the sides are known to go apart by more than the distance before either of them
+    /// ends: then there is a gap right beside it.
+    pub to_ends: bool,
 }
 
 /// Finds the sides that run along each other within `weld` but are not the same curve from end to end: a long side that
@@ -288,10 +291,12 @@ impl<'a> Line<'a> {
         let partners: Vec<(f64, f64)> = stretch.iter().filter_map(|s| s.partner).collect();
         let last = stretch.len() - 1;
         let closed = own.closed && near.closed && stretch.len() == samples.len();
-        // The stretch goes on from its last sample to where the other side ends.
+        // The stretch goes on from its last sample to where the other side ends, if they are still together there.
         let end = |k: usize, next: Option<&Beside>| {
             let known = (stretch[k].t, partners[k].0, points[k]);
-            let Some(next) = next else { return known };
+            let Some(next) = next else {
+                return (known, true);
+            };
             let ends = [other.edge.range.lo, other.edge.range.hi];
             let at = ends.map(|t| (t, other.edge.point(t)));
             let (partner, p) = if at[0].1.distance(next.p) <= at[1].1.distance(next.p) {
@@ -303,12 +308,12 @@ impl<'a> Line<'a> {
             let between = stretch[k].t.min(next.t) <= t && t <= stretch[k].t.max(next.t);
             let q = self.edge.point(t);
             if between && q.distance(p) <= within {
-                (t, partner, q)
+                ((t, partner, q), true)
             } else {
-                known
+                (known, q.distance(p) <= within)
             }
         };
-        let (first, second) = (end(0, before), end(last, after));
+        let ((first, at_first), (second, at_second)) = (end(0, before), end(last, after));
         let range = Interval::new(first.0, second.0);
         let whole = other.edge.range;
         // A step over the seam of a closed side is a short one in the other direction.
@@ -349,6 +354,7 @@ impl<'a> Line<'a> {
             gap: partners.iter().fold(0.0, |gap, p| p.1.max(gap)),
             closed,
             stretches,
+            to_ends: at_first && at_second,
         };
         Some((stretch.len() as f64 / samples.len() as f64, joint))
     }

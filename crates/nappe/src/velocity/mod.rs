@@ -10,6 +10,7 @@
 //! whose weights change moves by linear images of itself and its derivatives, times numbers that vary over it.
 
 mod extended;
+mod interpolation;
 mod net;
 mod quadric;
 mod rigid;
@@ -17,6 +18,7 @@ mod round;
 mod sum;
 
 pub use extended::Extended;
+pub use interpolation::interpolation;
 pub use net::Net;
 pub use quadric::{QuadricRate, quadric};
 pub use rigid::{FrameRate, cross_matrix};

@@ -2,10 +2,11 @@
 
 use crate::mesh::{Maker, SCALES, plane};
 use crate::shapes::*;
-use nappe::body::{Body, figures, sew};
-use nappe::curve::{Ellipse, EllipseOptions};
-use nappe::surface::Elementary;
-use nappe::{DAffine3, DMat3, DVec3, Frame};
+use nappe::body::{Body, BodyError, BodyMeshError, FaceError, RegionError, figures, mesh, sew};
+use nappe::curve::{CurveRef, Ellipse, EllipseOptions, ExpressionCurve, Line};
+use nappe::expr::Expr;
+use nappe::surface::{Elementary, ruled};
+use nappe::{DAffine3, DMat3, DVec3, Dir, Frame, MeshOptions};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -116,4 +117,197 @@ fn sewn_bodies_have_their_volume() {
     near(found.volumes[0].unwrap(), 6.0, 0.0);
     let lid = sew(&cuboid(v(1.0, 2.0, 3.0))[1..], 1e-6).body;
     assert!(figures(&lid).unwrap().volumes[0].is_none());
+}
+
+/// Adds a closed polygon; the numbers of its edges, from 1 on.
+fn polygon(m: &mut Maker, points: &[DVec3]) -> Vec<i32> {
+    (0..points.len())
+        .map(|k| m.line(points[k], points[(k + 1) % points.len()]) as i32 + 1)
+        .collect()
+}
+
+fn square(o: DVec3, side: f64) -> [DVec3; 4] {
+    [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(|[x, y]| o + side * v(x, y, 0.0))
+}
+
+/// The curve of one side of a square ends before its vertex. A small gap is closed and is in the error, on whichever
+/// side it is; a large one is no contour.
+#[test]
+fn edges_that_do_not_meet_are_joined_or_refused() {
+    for (s, o) in SCALES {
+        let rounding = 1e-13 * o.length() * s;
+        for side in 0..4 {
+            for end in 0..2 {
+                let of = |gap: f64| {
+                    let mut m = Maker::default();
+                    let p = square(o, s);
+                    let all = polygon(&mut m, &p);
+                    m.face(plane(o, DVec3::Z), true, &[&all]);
+                    let mut ends = [p[side], p[(side + 1) % 4]];
+                    ends[end] += gap * (ends[1 - end] - ends[end]);
+                    m.body.edges[side].curve = Arc::new(Line::new(ends[0], ends[1]).unwrap());
+                    m.body
+                };
+                let small = of(1e-3);
+                let found = figures(&small).unwrap().areas[0].clone().unwrap();
+                near(found, s * s, 100.0 * rounding);
+                let e = found.certainty.error();
+                assert!((1e-3..1e-2).contains(&(e / (s * s))), "{e:e}");
+                let mut large = of(0.5);
+                let found = figures(&large).unwrap();
+                let refused =
+                    |e: &FaceError| matches!(e, FaceError::Edge { edge, .. } if *edge == side);
+                assert!(found.areas[0].as_ref().is_err_and(refused));
+                // Unless it is said to be as rough as that.
+                large.edges[side].tolerance = 0.5 * s * (1.0 + 1e-9);
+                let found = figures(&large).unwrap().areas[0].clone().unwrap();
+                near(found, s * s, 100.0 * rounding);
+                assert!(found.certainty.error() >= 0.5 * s * s);
+            }
+        }
+    }
+}
+
+/// Loops that cross, holes outside and islands bound nothing, as for meshes.
+#[test]
+fn loops_that_bound_no_region_have_no_area() {
+    let o = DVec3::ZERO;
+    let back = |p: [DVec3; 4]| [p[3], p[2], p[1], p[0]];
+    let far = |x: f64| v(x, 0.0, 0.0);
+    let bow = [o, v(2.0, 2.0, 0.0), v(2.0, 0.0, 0.0), v(0.0, 1.0, 0.0)];
+    let inner = v(1.0, 1.0, 0.0);
+    let middle = v(2.0, 2.0, 0.0);
+    let all: [Vec<[DVec3; 4]>; 4] = [
+        vec![bow],
+        vec![square(o, 2.0), back(square(far(4.0), 1.0))],
+        vec![
+            square(o, 6.0),
+            back(square(inner, 4.0)),
+            square(middle, 1.0),
+        ],
+        vec![square(o, 2.0), back(square(inner, 2.0))],
+    ];
+    for loops in all {
+        let mut m = Maker::default();
+        let edges: Vec<Vec<i32>> = loops.iter().map(|l| polygon(&mut m, l)).collect();
+        let edges: Vec<&[i32]> = edges.iter().map(|l| &l[..]).collect();
+        m.face(plane(o, DVec3::Z), true, &edges);
+        let found = figures(&m.body).unwrap().areas[0].clone();
+        assert!(
+            matches!(found, Err(FaceError::Region(RegionError::Crosses { .. }))),
+            "{found:?}"
+        );
+        let meshed = mesh(&m.body, &MeshOptions::default()).unwrap();
+        assert_eq!(meshed.failed.len(), 1);
+    }
+    // A hole within is sound; a loop the wrong way round is told, and encloses nothing with others.
+    let mut m = Maker::default();
+    let outer = polygon(&mut m, &square(o, 6.0));
+    let hole = polygon(&mut m, &back(square(inner, 4.0)));
+    m.face(plane(o, DVec3::Z), true, &[&outer, &hole]);
+    let turned: Vec<i32> = outer.iter().rev().map(|e| -e).collect();
+    m.face(plane(o, DVec3::Z), true, &[&turned]);
+    areas(&m.body, &[20.0, 36.0], 0.0);
+    assert_eq!(figures(&m.body).unwrap().turned_round, [1]);
+}
+
+/// Whatever a shell says of itself.
+#[test]
+fn shells_that_are_not_closed_have_no_volume() {
+    let sound = sew(&cuboid(v(1.0, 2.0, 3.0)), 1e-6).body;
+    let volume = |change: &dyn Fn(&mut Body)| {
+        let mut body = sound.clone();
+        change(&mut body);
+        assert!(body.shells[0].closed);
+        figures(&body).unwrap().volumes[0]
+    };
+    near(volume(&|_| {}).unwrap(), 6.0, 0.0);
+    let all = |b: &mut Body| b.shells[0].faces.iter_mut().for_each(|f| f.1 = !f.1);
+    near(volume(&all).unwrap(), -6.0, 0.0);
+    // The same solid with one face, and what bounds it, the other way round in the list of faces.
+    let face = |b: &mut Body| {
+        b.faces[2].turn();
+        let used = b.shells[0].faces.iter_mut().find(|f| f.0 == 2).unwrap();
+        used.1 = !used.1;
+    };
+    near(volume(&face).unwrap(), 6.0, 0.0);
+    let broken: [&dyn Fn(&mut Body); 5] = [
+        &|b| b.shells[0].faces.truncate(5),
+        &|b| b.shells[0].faces[3].1 = !b.shells[0].faces[3].1,
+        &|b| b.shells[0].faces.extend_from_within(..1),
+        &|b| b.shells[0].faces.clear(),
+        &|b| b.faces[1].turn(),
+    ];
+    for (k, change) in broken.iter().enumerate() {
+        assert_eq!(volume(change), None, "{k}");
+    }
+    // Twice the same sphere leaves no edge open either.
+    let mut ball = sew(&[sphere(DVec3::ZERO, 1.0)], 1e-6).body;
+    let faces = &mut ball.shells[0].faces;
+    faces.push((faces[0].0, !faces[0].1));
+    assert_eq!(figures(&ball).unwrap().volumes[0], None);
+}
+
+/// Sheets over a profile that varies too fast for the rule, or is nearly singular: the error says so.
+#[test]
+fn what_quadrature_across_misses_is_in_the_error() {
+    let curve = |x: &str, y: f64, z: &str| -> CurveRef {
+        let bound = |s: &str| Expr::parse(s).unwrap().bind(&["t"], &[]).unwrap();
+        let y = bound(&y.to_string());
+        Arc::new(ExpressionCurve::new([bound(x), y, bound(z)], [0.0, 1.0]).unwrap())
+    };
+    // The length of z = a sin(b x), by the midpoint rule over full periods, which converges faster than any power.
+    let (a, b) = (0.01, 60.0 * TAU);
+    let n = 400;
+    let wave = (0..n)
+        .map(|k| (a * b * (TAU * (f64::from(k) + 0.5) / f64::from(n)).cos()).hypot(1.0))
+        .sum::<f64>()
+        / f64::from(n);
+    let waves = format!("0.01*sin({b:?}*t)");
+    let cases = [
+        ("t", waves.as_str(), wave, 0.5),
+        ("t*sqrt(t+1e-6)", "0", (1.0 + 1e-6f64).sqrt(), 1e-4),
+        ("t+0.1*sin(6*t)", "t*t", f64::NAN, 1e-9),
+    ];
+    for (x, z, expected, most) in cases {
+        let rails = [0.0, 1.0].map(|y| curve(x, y, z));
+        let [south, north] = rails.clone();
+        let sheet = ruled(south.clone(), north.clone(), Dir::U).unwrap();
+        let ends = rails.map(|r| nappe::Curve::ends(r.as_ref()));
+        let mut m = Maker::default();
+        m.edge(south);
+        m.line(ends[0][1], ends[1][1]);
+        m.edge(north);
+        m.line(ends[0][0], ends[1][0]);
+        m.on(Arc::new(sheet), true, &[&[1, 2, -3, -4]]);
+        let expected = if expected.is_nan() {
+            // The length of the rail by many chords.
+            let p = |k: u32| m.body.edges[0].curve.point(f64::from(k) / 1e6);
+            (0..1_000_000).map(|k| p(k).distance(p(k + 1))).sum()
+        } else {
+            expected
+        };
+        let found = figures(&m.body).unwrap().areas[0].clone().unwrap();
+        let (off, e) = ((found.value - expected).abs(), found.certainty.error());
+        assert!(off <= e + 1e-9, "{x}, {z}: off by {off:e}, stated {e:e}");
+        assert!(e <= most * expected, "{x}, {z}: {e:e}");
+    }
+}
+
+#[test]
+fn tolerances_of_edges_are_numbers() {
+    let sound = sew(&cuboid(v(1.0, 2.0, 3.0)), 1e-6).body;
+    sound.validate(0.0).unwrap();
+    for bad in [f64::INFINITY, f64::NAN, -1e-9] {
+        let mut body = sound.clone();
+        body.edges[3].tolerance = bad;
+        for tol in [0.0, f64::INFINITY] {
+            let told = body.validate(tol);
+            assert!(matches!(told, Err(BodyError::Tolerance { edge: 3, .. })));
+        }
+        assert!(matches!(
+            figures(&body),
+            Err(BodyMeshError::Body(BodyError::Tolerance { .. }))
+        ));
+    }
 }

@@ -2,8 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod bad;
 mod cover;
 mod figures;
 mod mesh;
 mod sew;
 mod shapes;
+mod whole;

@@ -11,6 +11,9 @@ use nappe::mesh::{partial_joint, sides_apart};
 use nappe_model::{Check, CheckTolerance};
 use serde_json::{Value, json};
 
+/// Relative to its range: what a side may lack and still be met from end to end, for the rounding of nearest points.
+const WHOLE: f64 = 1e-9;
+
 /// A declared check and what is known of it.
 pub(super) struct Declared<'a> {
     pub(super) check: &'a Check,
@@ -22,11 +25,21 @@ pub(super) struct Declared<'a> {
 enum Found {
     /// From end to end.
     Whole(Continuity),
-    /// In part: the ranges of both parameters along which they do, with what is known there. `None`: not from end to end
-    /// of these ranges.
-    Part(Vec<([Interval; 2], Option<Continuity>)>),
+    /// In part.
+    Part(Part),
     /// Not that it was found: the least and the greatest distance.
     Apart([f64; 2]),
+}
+
+/// What sides that meet in part have in common.
+struct Part {
+    /// The ranges of both parameters along which they meet, with what is known there. `None`: not from end to end of these
+    /// ranges.
+    stretches: Vec<([Interval; 2], Option<Continuity>)>,
+    /// Whether one of them lies on the other from end to end.
+    whole_side: bool,
+    /// Whether they are together until one of them ends.
+    to_ends: bool,
 }
 
 impl<'a> Declared<'a> {
@@ -47,13 +60,7 @@ impl<'a> Declared<'a> {
         let found = meeting(a, b, near);
         let verdict = match &found {
             Found::Whole(joint) => verdict(check, joint, tolerance),
-            Found::Part(stretches) => {
-                let each = stretches.iter().map(|(_, joint)| match joint {
-                    Some(joint) => verdict(check, joint, tolerance),
-                    None => Verdict::Open,
-                });
-                each.reduce(Verdict::and).unwrap_or(Verdict::Open)
-            }
+            Found::Part(part) => part.verdict(check, tolerance),
             Found::Apart([_, greatest]) if *greatest <= claimed => Verdict::Open,
             Found::Apart(_) => Verdict::Fails,
         };
@@ -103,7 +110,7 @@ impl<'a> Declared<'a> {
         };
         match &self.found {
             Found::Whole(j) => joint(j),
-            Found::Part(stretches) => {
+            Found::Part(part) => {
                 let one = |(ranges, j): &([Interval; 2], Option<Continuity>)| {
                     let along =
                         [0, 1].map(|k| range(self.check.between[k].side.along(), ranges[k]));
@@ -112,8 +119,13 @@ impl<'a> Declared<'a> {
                         .map_or_else(|| "not from end to end".to_owned(), joint);
                     format!("along {}: {what}", along.join(" – "))
                 };
-                let each: Vec<String> = stretches.iter().map(one).collect();
-                format!("in part, {}", each.join("; "))
+                let each: Vec<String> = part.stretches.iter().map(one).collect();
+                let beyond = if part.to_ends {
+                    ""
+                } else {
+                    "; beside it they go apart before either ends"
+                };
+                format!("in part, {}{beyond}", each.join("; "))
             }
             Found::Apart([least, greatest]) => format!(
                 "the sides do not meet: {} to {} {unit} apart",
@@ -132,14 +144,14 @@ impl<'a> Declared<'a> {
         let (mut whole, mut parts, mut apart) = (None, Vec::new(), None);
         match &self.found {
             Found::Whole(j) => whole = Some(joint_json(j)),
-            Found::Part(stretches) => {
+            Found::Part(part) => {
                 let one = |(ranges, j): &([Interval; 2], Option<Continuity>)| {
                     json!({
                         "along": ranges.map(range_json),
                         "found": j.as_ref().map(joint_json),
                     })
                 };
-                parts = stretches.iter().map(one).collect();
+                parts = part.stretches.iter().map(one).collect();
             }
             Found::Apart(distances) => apart = Some(distances),
         }
@@ -175,7 +187,38 @@ fn meeting(a: SideOf, b: SideOf, near: f64) -> Found {
         let found = continuity_in_part((a, ranges[0]), (b, ranges[1]), near, &options);
         (ranges, found)
     });
-    Found::Part(stretches.collect())
+    let stretches: Vec<([Interval; 2], Option<Continuity>)> = stretches.collect();
+    let whole_side = [a, b].iter().enumerate().any(|(k, side)| {
+        let met: f64 = stretches.iter().map(|(ranges, _)| ranges[k].width()).sum();
+        met >= (1.0 - WHOLE) * side.0.domain()[side.1.along() as usize].width()
+    });
+    Found::Part(Part {
+        stretches,
+        whole_side,
+        to_ends: joint.to_ends,
+    })
+}
+
+impl Part {
+    /// Whether a claim holds of sides that meet in part.
+    fn verdict(&self, check: &Check, tolerance: f64) -> Verdict {
+        let each = self.stretches.iter().map(|(_, joint)| match joint {
+            Some(joint) => verdict(check, joint, tolerance),
+            None => Verdict::Open,
+        });
+        let along = each.reduce(Verdict::and).unwrap_or(Verdict::Open);
+        // The gap where they go apart is wider than what is claimed, but sampled.
+        let along = if self.to_ends {
+            along
+        } else {
+            along.and(Verdict::Open)
+        };
+        if self.whole_side || check.in_part {
+            along
+        } else {
+            along.and(Verdict::InPart)
+        }
+    }
 }
 
 /// Whether a claim holds where two sides meet.

@@ -42,7 +42,8 @@ mod words;
 /// through itself. A line inside that is one point, where a surface only touches itself, is told. Two surfaces that pass
 /// through each other are told (•) but are no failure: a handle may well be stuck through a wall. Nor are sides that meet in
 /// part only, of which the same bounds are told along the stretch in common. A check of such sides is a claim about that
-/// stretch, which is told; of sides that do not meet at all, how far they are apart. The last line tells how many claims are only
+/// stretch, which is told, if one of the two lies on the other from end to end, or the check says `in_part = true`; else it
+/// fails. Of sides that do not meet at all it is told how far they are apart. The last line tells how many claims are only
 /// estimated and how many pairs are not decided.
 ///
 /// With --draw, a picture shows all sides in the colour of the smoothness that they reach, the claims that fail or are not

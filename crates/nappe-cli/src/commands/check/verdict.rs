@@ -10,6 +10,8 @@ pub(super) enum Verdict {
     Holds,
     /// Sampling found nothing against it, and nothing can be proven.
     Seems,
+    /// It holds of what the sides have in common, but both of them go on without the other.
+    InPart,
     /// Neither proven nor refuted.
     Open,
     /// Refuted.
@@ -32,6 +34,7 @@ impl Verdict {
             [
                 Verdict::Holds,
                 Verdict::Seems,
+                Verdict::InPart,
                 Verdict::Open,
                 Verdict::Fails,
             ]
@@ -57,6 +60,7 @@ impl Verdict {
         match self {
             Verdict::Holds => "proven",
             Verdict::Seems => "estimated",
+            Verdict::InPart => "only in part",
             Verdict::Open => "not proven",
             Verdict::Fails => "fails",
         }

@@ -4,7 +4,7 @@ use super::curves::{self, Course};
 use super::surfaces::Expanse;
 use glam::DVec3;
 use nappe::body::cover;
-use nappe::curve::Transformed;
+use nappe::curve::{CurveError, Ellipse, EllipseOptions, Transformed};
 use nappe::query::{Finder, FinderOptions};
 use nappe::surface::{Elementary, RevolutionError, RevolutionOptions, Torus, TorusOptions, ruled};
 use nappe::{Box3, CurveRef, DAffine3, Dir, Frame, Interval, Revolution, SurfaceRef};
@@ -162,16 +162,34 @@ fn cone(border: &Border<'_>, frame: &Frame, radius: f64, slope: f64) -> Result<C
     )
 }
 
-/// A torus that passes through itself: its outer part.
+/// The part of a torus that passes through itself on which the border lies, the outer or the inner one.
 fn spindle(border: &Border<'_>, frame: &Frame, major: f64, minor: f64) -> Result<Covered, String> {
-    let inside = border.samples().any(|p| {
+    let (mut inner, mut outer) = (false, false);
+    for p in border.samples() {
         let c = frame.coordinates(p);
         let from = |radius: f64| ((c.truncate().length() - radius).hypot(c.z) - minor).abs();
         // Points of both parts are where these meet, on the axis.
-        from(major) > from(-major) + BEYOND * minor
-    });
-    if inside {
-        return Err("the inner part of a torus that passes through itself is not read".into());
+        let difference = from(major) - from(-major);
+        inner |= difference > BEYOND * minor;
+        outer |= difference < -BEYOND * minor;
+    }
+    if inner && outer {
+        return Err("the face reaches from the outer to the inner part of its torus".into());
+    }
+    let text = |e: CurveError| e.to_string();
+    if inner {
+        // An arc about a centre beyond the axis, upwards: its normals point to the axis, as those of the torus do there.
+        let half = (major / minor).acos();
+        let options = EllipseOptions {
+            from: -half,
+            to: half,
+            normal: -frame.y(),
+            x_direction: Some(frame.x()),
+        };
+        let center = frame.point(DVec3::X * -major);
+        let arc = Ellipse::new(center, [minor; 2], options).map_err(text)?;
+        let surface = Revolution::new(Arc::new(arc), *frame, RevolutionOptions::default());
+        return Ok((Arc::new(surface.map_err(|e| e.to_string())?), false));
     }
     let limit = (-major / minor).acos();
     let options = TorusOptions {

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 /// A curve as a file states it.
 #[derive(Clone, Debug)]
-pub(super) enum Course {
+pub(crate) enum Course {
     /// `point + t vector`.
     Line { point: DVec3, vector: DVec3 },
     /// `a cos t x + b sin t y`: a circle if both are equal.
@@ -30,14 +30,19 @@ pub(super) enum Course {
 
 /// Curves made of curves are followed so far.
 const DEPTH: usize = 16;
+/// What the depth grows by inside a composite curve. None is read inside another: that could ask for any number of
+/// segments.
+const INSIDE: usize = 1000;
 /// Angles nearer than this to a whole turn, or to none, are that: points have at most so many digits of it.
 const WHOLE: f64 = 1e-9;
+/// Points of a curve that are farther from each other than this share of its extent are two, whatever the file's uncertainty.
+const NEAR: f64 = 1e-3;
 /// A hyperbola is read as far as its arc's middle weight stays below cosh of this.
 const HYPERBOLIC: f64 = 20.0;
 
 /// The curve with this number.
 pub(super) fn course(space: &Space<'_>, id: u64, depth: usize) -> Got<Course> {
-    if depth > DEPTH {
+    if depth % INSIDE > DEPTH {
         return Err(space
             .file
             .refused(id, "curves are made of curves without end"));
@@ -149,16 +154,83 @@ fn trimmed(space: &Space<'_>, record: &Record<'_>, depth: usize) -> Got<CurveRef
         };
     }
     let same = args.flag(4)?;
-    if matches!(course, Course::Ellipse { .. }) {
-        at[1] = turned(at, same);
+    match &course {
+        Course::Ellipse { .. } => at[1] = turned(at, same),
+        Course::Bounded(c) if is_ring(c, space.uncertainty) => {
+            return stretch(c, at, same, space.uncertainty).map_err(|e| record.refused(e));
+        }
+        _ => {}
     }
     course.between(at).map_err(|e| record.refused(e))
+}
+
+/// Whether a curve ends where it begins: within a tolerance that is small beside it.
+fn is_ring(c: &CurveRef, tol: f64) -> bool {
+    let [first, last] = c.ends();
+    first.distance(last) <= near(c, tol)
+}
+
+/// Points of a curve nearer than this are one: a tolerance, but for curves that are not much larger than it.
+fn near(c: &CurveRef, tol: f64) -> f64 {
+    tol.min(NEAR * c.bounds(c.domain()).diagonal())
+}
+
+/// The part of a closed curve from one parameter to another, forwards or backwards, also through the point where it begins and ends;
+/// all of it where they are one.
+fn stretch(c: &CurveRef, at: [f64; 2], forward: bool, tol: f64) -> Result<CurveRef, String> {
+    let domain = c.domain();
+    let [first, _] = c.ends();
+    let [mut from, mut to] = at.map(|t| t.clamp(domain.lo, domain.hi));
+    if !(from.is_finite() && to.is_finite()) {
+        return Err(format!("it is trimmed from {} to {}", at[0], at[1]));
+    }
+    if !forward {
+        (from, to) = (to, from);
+    }
+    // What is found at the seam may be either end. A curve may pass there in its middle too, which is no end.
+    let margin = NEAR * (domain.hi - domain.lo);
+    let at_seam = |t: f64| {
+        (t - domain.lo).min(domain.hi - t) <= margin && c.point(t).distance(first) <= near(c, tol)
+    };
+    if at_seam(from) {
+        from = domain.lo;
+    }
+    if at_seam(to) {
+        to = domain.hi;
+    }
+    let part = if from < to {
+        part(c, from, to)?
+    } else {
+        around(c, from, to, tol)?
+    };
+    Ok(if forward { part } else { backwards(part) })
+}
+
+/// The part of a closed curve from one parameter through the point where it begins and ends to another.
+fn around(c: &CurveRef, from: f64, to: f64, tol: f64) -> Result<CurveRef, String> {
+    let domain = c.domain();
+    let pieces: Result<Vec<CurveRef>, String> = [[from, domain.hi], [domain.lo, to]]
+        .into_iter()
+        .filter(|r| r[0] < r[1])
+        .map(|[a, b]| part(c, a, b))
+        .collect();
+    let mut pieces = pieces?;
+    if pieces.len() == 1 {
+        return Ok(pieces.remove(0));
+    }
+    let options = JoinOptions {
+        tol: Some(tol),
+        ..JoinOptions::default()
+    };
+    Ok(Arc::new(
+        Joined::new(pieces, options).map_err(|e| e.to_string())?,
+    ))
 }
 
 /// The last angle of an arc that runs from the first the right way round, a whole turn if they are equal.
 fn turned([from, to]: [f64; 2], forward: bool) -> f64 {
     let turn = if forward { to - from } else { from - to }.rem_euclid(TAU);
-    let turn = if turn < WHOLE || turn > TAU - WHOLE {
+    let turn = if !(WHOLE..=TAU - WHOLE).contains(&turn) {
         TAU
     } else {
         turn
@@ -168,11 +240,14 @@ fn turned([from, to]: [f64; 2], forward: bool) -> f64 {
 
 fn composite(space: &Space<'_>, record: &Record<'_>, depth: usize) -> Got<CurveRef> {
     let args = record.needed("COMPOSITE_CURVE")?;
+    if depth >= INSIDE {
+        return Err(record.refused("a composite curve inside another is not read"));
+    }
     let mut parts: Vec<CurveRef> = Vec::new();
     for id in args.references(1)? {
         let segment = space.file.record(id)?;
         let args = segment.needed("COMPOSITE_CURVE_SEGMENT")?;
-        let part = course(space, args.reference(2)?, depth + 1)?
+        let part = course(space, args.reference(2)?, depth + INSIDE)?
             .whole()
             .map_err(|e| segment.refused(e))?;
         parts.push(if args.flag(1)? { part } else { backwards(part) });
@@ -227,7 +302,7 @@ impl Course {
     }
 
     /// The part from one parameter to another, backwards if the second is smaller. Of an ellipse at most one turn.
-    pub(super) fn between(&self, [from, to]: [f64; 2]) -> Result<CurveRef, String> {
+    pub(crate) fn between(&self, [from, to]: [f64; 2]) -> Result<CurveRef, String> {
         if !(from.is_finite() && to.is_finite()) || from == to {
             return Err(format!(
                 "it is trimmed from {from} to {to}, which is no part of it"
@@ -280,7 +355,7 @@ impl Course {
     }
 
     /// The part from one point to another, along the curve or against it; all of it where they are one and it is closed.
-    pub(super) fn from_to(
+    pub(super) fn reach(
         &self,
         ends: [DVec3; 2],
         same: bool,
@@ -331,7 +406,8 @@ impl Course {
     ) -> Result<CurveRef, String> {
         let [first, last] = c.ends();
         let domain = c.domain();
-        let ring = first.distance(last) <= tol;
+        let ring = is_ring(c, tol);
+        let tol = near(c, tol);
         if start.distance(first) <= tol
             && end.distance(last) <= tol
             && (closed || !ring || start.distance(end) > tol)
@@ -341,18 +417,18 @@ impl Course {
         if !ring && start.distance(last) <= tol && end.distance(first) <= tol {
             return Ok(c.clone());
         }
-        let near = |p: DVec3, own: DVec3, at: f64| -> Result<f64, String> {
+        let parameter = |p: DVec3, own: DVec3, at: f64| -> Result<f64, String> {
             if p.distance(own) <= tol {
                 Ok(at)
             } else {
                 self.parameter(p)
             }
         };
-        let from = near(start, first, domain.lo)?;
+        let from = parameter(start, first, domain.lo)?;
         let to = if closed {
             from
         } else {
-            near(end, last, domain.hi)?
+            parameter(end, last, domain.hi)?
         };
         if from < to {
             return part(c, from, to);
@@ -360,23 +436,7 @@ impl Course {
         if !ring {
             return part(c, to, from);
         }
-        // Through the point where the closed curve begins and ends.
-        let pieces: Result<Vec<CurveRef>, String> = [[from, domain.hi], [domain.lo, to]]
-            .into_iter()
-            .filter(|r| r[0] < r[1])
-            .map(|[a, b]| part(c, a, b))
-            .collect();
-        let mut pieces = pieces?;
-        if pieces.len() == 1 {
-            return Ok(pieces.remove(0));
-        }
-        let options = JoinOptions {
-            tol: Some(tol),
-            ..JoinOptions::default()
-        };
-        Ok(Arc::new(
-            Joined::new(pieces, options).map_err(|e| e.to_string())?,
-        ))
+        around(c, from, to, tol)
     }
 }
 

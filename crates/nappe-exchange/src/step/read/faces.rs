@@ -10,14 +10,18 @@ use glam::DVec3;
 use nappe::CurveRef;
 use nappe::body::{Body, Coedge, Edge, Face, Loop, Shell, Vertex};
 use nappe::curve::Line;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// An end of an edge farther from its vertex than this share of the edge, and than many uncertainties, is not one that is
+/// An end of an edge farther from its vertex than this share of the edge, and than some uncertainties, is not one that is
 /// meant.
 const ASTRAY: f64 = 1e-2;
 /// The same in uncertainties.
-const UNCERTAINTIES: f64 = 1e3;
+const UNCERTAINTIES: f64 = 10.0;
+/// However large the uncertainty is, not farther than this share of the edge.
+const LOST: f64 = 0.5;
+/// The direction of a line has so many digits: it may pass its vertices at this share of the distance of its point.
+const DIGITS: f64 = 1e-5;
 
 /// A body that grows by the faces of a file.
 pub(super) struct Builder<'s, 'a> {
@@ -59,7 +63,7 @@ impl<'s, 'a> Builder<'s, 'a> {
                 "ORIENTED_CLOSED_SHELL" | "ORIENTED_OPEN_SHELL" => {
                     same ^= !record.args().flag(3)?;
                     let inner = record.args().reference(2)?;
-                    if inner == id || self.space.file.kind(inner) == record.kind() {
+                    if self.space.file.kind(inner).starts_with("ORIENTED_") {
                         return Err(record.refused("it is the orientation of another orientation"));
                     }
                     id = inner;
@@ -86,6 +90,22 @@ impl<'s, 'a> Builder<'s, 'a> {
         }
         self.body.shells.push(shell);
         Ok(())
+    }
+
+    /// Takes the faces of the last shell, a hollow, as they are seen from the solid round it: the shell then takes each of
+    /// them the other way round, as those who write it ask for. What is where, and which side is out, stays.
+    pub(super) fn turn_inside_out(&mut self) {
+        let Some((last, before)) = self.body.shells.split_last_mut() else {
+            return;
+        };
+        // A face of two shells keeps its side.
+        let shared: HashSet<usize> = before.iter().flat_map(|s| &s.faces).map(|f| f.0).collect();
+        for (face, same) in &mut last.faces {
+            if *same && !shared.contains(face) {
+                self.body.faces[*face].turn();
+                *same = false;
+            }
+        }
     }
 
     /// Adds a face; gives its index and whether it is meant as it is.
@@ -122,11 +142,17 @@ impl<'s, 'a> Builder<'s, 'a> {
                 return Err(bound.refused("bounds of this kind are not read"));
             }
             let outline = self.outline(args.reference(1)?).map_err(within)?;
-            loops.push(if args.flag(2)? {
+            let outline = if args.flag(2)? {
                 outline
             } else {
                 turned(outline)
-            });
+            };
+            // The outer one comes first, as other formats have it.
+            if kind == "FACE_OUTER_BOUND" {
+                loops.insert(0, outline);
+            } else {
+                loops.push(outline);
+            }
         }
         let same = args.flag(3)?;
         let expanse = surfaces::expanse(self.space, args.reference(2)?, 0).map_err(within)?;
@@ -267,16 +293,30 @@ impl<'s, 'a> Builder<'s, 'a> {
         let tol = self.space.uncertainty;
         let same = args.flag(4)? == along;
         let curve = course
-            .from_to(ends, same, closed, tol)
+            .reach(ends, same, closed, tol)
             .map_err(|e| record.refused(e))?;
         let own = curve.ends();
-        let apart = (0..2).map(|i| own[i].distance(ends[i])).fold(0.0, f64::max);
+        let mut apart = (0..2).map(|i| own[i].distance(ends[i])).fold(0.0, f64::max);
         let size = curve.bounds(curve.domain()).diagonal();
         if closed && size <= tol {
             return Ok(None);
         }
-        if apart > (UNCERTAINTIES * tol).max(ASTRAY * size) || apart.is_nan() {
-            return Err(record.refused(format!("its curve ends {apart} away from its vertex")));
+        let mut allowed = tol
+            .max(ASTRAY * size)
+            .max((UNCERTAINTIES * tol).min(LOST * size));
+        if let curves::Course::Line { point, vector } = course {
+            // The curve is drawn from vertex to vertex; what the file states may pass them.
+            let along = vector.normalize();
+            for p in ends {
+                let from = p - point;
+                apart = apart.max(from.cross(along).length());
+                allowed = allowed.max(DIGITS * from.length());
+            }
+        }
+        if apart > allowed || apart.is_nan() {
+            return Err(record.refused(format!(
+                "its curve ends {apart} away from its vertex; {allowed} is allowed"
+            )));
         }
         let tolerance = if apart > tol { apart } else { tol };
         Ok(Some(Edge {

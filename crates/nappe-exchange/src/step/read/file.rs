@@ -4,7 +4,8 @@ use super::super::StepError;
 use super::scan::{Entry, Kind, Scan, line, scan};
 use super::text;
 use super::value::{Cursor, Value};
-use std::cell::Cell;
+use glam::DVec3;
+use std::cell::{Cell, OnceCell};
 
 /// Why one entity cannot be read.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,8 +32,12 @@ enum Places {
 
 /// A table may be this many times as long as the list of entities; sparser numbers are searched.
 const SPARSE: u64 = 3;
-/// A file whose entities refer to each other so often goes round in a circle, or is made to keep a reader busy.
-const MOST_READS: u64 = 1 << 32;
+/// Entities may be read so often for each byte of the file: parts that are placed often are read again for each place.
+const READS: u64 = 16;
+/// And so often however small the file is.
+const FEW_READS: u64 = 4_000_000;
+/// So many bytes of one entity count as another read.
+const LONG: usize = 64;
 
 /// A file in memory.
 #[derive(Debug)]
@@ -41,6 +46,7 @@ pub(super) struct File<'b> {
     scan: Scan,
     places: Places,
     reads: Cell<u64>,
+    extent: OnceCell<f64>,
 }
 
 impl<'b> File<'b> {
@@ -54,6 +60,7 @@ impl<'b> File<'b> {
             scan,
             places,
             reads: Cell::new(0),
+            extent: OnceCell::new(),
         })
     }
 
@@ -109,11 +116,42 @@ impl<'b> File<'b> {
         Refused { what, why, id }
     }
 
-    fn begin(&self, id: u64) -> Got<Entry> {
-        self.reads.set(self.reads.get() + 1);
-        if self.reads.get() > MOST_READS {
-            return Err(self.refused(id, "the file refers to its entities too often"));
+    /// Counts what is made of the file's text, in bytes, as reads.
+    pub(super) fn charge(&self, bytes: usize) {
+        let reads = self.reads.get().saturating_add((bytes / LONG) as u64);
+        self.reads.set(reads);
+    }
+
+    /// Refuses an entity of a file that asks for far more than it holds: a few lines can place parts in parts any number of
+    /// times.
+    pub(super) fn bounded(&self, id: u64) -> Got<()> {
+        let most = FEW_READS + READS * self.bytes.len() as u64;
+        if self.reads.get() <= most {
+            return Ok(());
         }
+        let why = format!(
+            "the file places its parts so often that they take more than {most} reads of its entities"
+        );
+        Err(self.refused(id, why))
+    }
+
+    /// The diagonal of all points' box, in the numbers of the file.
+    pub(super) fn extent(&self) -> f64 {
+        *self.extent.get_or_init(|| {
+            let points = self
+                .all("CARTESIAN_POINT")
+                .filter_map(|id| self.triple(id, "CARTESIAN_POINT").ok());
+            let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+            for p in points.map(DVec3::from) {
+                (lo, hi) = (lo.min(p), hi.max(p));
+            }
+            if lo.is_finite() { hi.distance(lo) } else { 0.0 }
+        })
+    }
+
+    fn begin(&self, id: u64) -> Got<Entry> {
+        self.reads.set(self.reads.get().saturating_add(1));
+        self.bounded(id)?;
         self.entry(id)
             .ok_or_else(|| self.refused(id, "the file refers to it, but does not have it"))
     }
@@ -143,6 +181,7 @@ impl<'b> File<'b> {
             Ok(())
         };
         read().map_err(|why| self.placed(entry, &why))?;
+        self.charge(cursor.place() - entry.at);
         let file = self;
         Ok(Record { file, id, parts })
     }

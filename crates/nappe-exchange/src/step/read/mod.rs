@@ -15,6 +15,8 @@ mod text;
 mod units;
 mod value;
 
+pub(crate) use curves::Course;
+
 use super::StepError;
 use crate::{Colour, Document, FaceStyle, Item, ItemForm};
 use faces::Builder;
@@ -39,8 +41,18 @@ pub struct StepFile {
     pub kinds: Vec<(String, usize)>,
 }
 
+/// Bodies: where no representation that is shown has one, that is told.
+const BODIES: [&str; 5] = [
+    "MANIFOLD_SOLID_BREP",
+    "FACETED_BREP",
+    "BREP_WITH_VOIDS",
+    "SHELL_BASED_SURFACE_MODEL",
+    "FACE_BASED_SURFACE_MODEL",
+];
 /// Items inside items are followed so far.
 const DEPTH: usize = 32;
+/// More items than this, placed ones counted as often as they are placed, are not read.
+const MOST: usize = 10_000_000;
 
 /// Reads a file from its bytes.
 ///
@@ -60,7 +72,7 @@ pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
     let placed = tree.laid_out(&mut left);
     let mut reader = Reader {
         file: &file,
-        colours: styles::colours(&file),
+        colours: styles::colours(&file, &mut left),
         tree,
         left,
         document: Document {
@@ -68,9 +80,14 @@ pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
             ..Document::default()
         },
         read: HashSet::new(),
+        items: 0,
     };
     for p in &placed {
         reader.representation(p, None, 0);
+    }
+    reader.unshown();
+    for fault in reader.tree.faults() {
+        reader.left.add(&fault);
     }
     reader.document.name = reader
         .tree
@@ -115,6 +132,8 @@ struct Reader<'a> {
     document: Document,
     /// Items that were read.
     read: HashSet<u64>,
+    /// How many items were looked at.
+    items: usize,
 }
 
 impl<'a> Reader<'a> {
@@ -131,6 +150,9 @@ impl<'a> Reader<'a> {
         };
         let colour = self.colours.get(&placed.id).copied().or(colour);
         for id in items {
+            if self.items > MOST {
+                return;
+            }
             if placed.orphan && !self.read.insert(id) {
                 continue;
             }
@@ -149,7 +171,8 @@ impl<'a> Reader<'a> {
         inherited: Option<Colour>,
         depth: usize,
     ) -> Got<()> {
-        if depth > DEPTH {
+        self.items += 1;
+        if depth > DEPTH || self.items > MOST {
             return Err(self.file.refused(id, "items are made of items without end"));
         }
         let colour = self.colours.get(&id).copied().or(inherited);
@@ -157,7 +180,7 @@ impl<'a> Reader<'a> {
             // Where things are.
             "AXIS2_PLACEMENT_3D" | "AXIS1_PLACEMENT" | "AXIS2_PLACEMENT_2D" => Ok(()),
             "MAPPED_ITEM" => {
-                let (inner, map) = products::mapped(space, id)?;
+                let (inner, map) = self.tree.mapped(space, id)?;
                 let placed = Placed {
                     id: inner,
                     path: placed.path.clone(),
@@ -209,6 +232,18 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// Lists the bodies that no representation of a shape has.
+    fn unshown(&mut self) {
+        for kind in BODIES {
+            for id in self.file.all(kind) {
+                if !self.read.contains(&id) {
+                    let why = "no shape of a product that is shown has it";
+                    self.left.add(&self.file.refused(id, why));
+                }
+            }
+        }
+    }
+
     fn set(
         &mut self,
         space: &Space<'a>,
@@ -220,7 +255,10 @@ impl<'a> Reader<'a> {
         for id in self.file.record(id)?.args().references(1)? {
             let own = self.colours.get(&id).copied().or(colour);
             if self.file.kind(id) == "CARTESIAN_POINT" {
-                points.push(space.point(id)?);
+                match space.point(id) {
+                    Ok(p) => points.push(p),
+                    Err(r) => self.left.add(&r),
+                }
                 continue;
             }
             let read = curves::course(space, id, 0)
@@ -247,11 +285,17 @@ impl<'a> Reader<'a> {
     ) -> Got<()> {
         let mut builder = Builder::new(space);
         let mut last: Option<Refused> = None;
+        let mut void = false;
         for shell in shells {
-            if let Err(r) = builder.shell(*shell, solid, &mut self.left) {
-                self.left.add(&r);
-                last = Some(r);
+            match builder.shell(*shell, solid, &mut self.left) {
+                Ok(()) if solid && void => builder.turn_inside_out(),
+                Ok(()) => {}
+                Err(r) => {
+                    self.left.add(&r);
+                    last = Some(r);
+                }
             }
+            void = true;
         }
         if builder.body.faces.is_empty() {
             let why = last.map_or("it has no faces".into(), |r| r.why);
@@ -289,10 +333,11 @@ impl<'a> Reader<'a> {
 
     /// The name that an entity has; many systems write that it has none.
     fn name(&self, id: u64) -> String {
-        let name = self
-            .file
-            .record(id)
-            .map_or(String::new(), |r| r.args().text(0));
+        let name = self.file.record(id).map_or(String::new(), |r| {
+            // Of a complex entity the name is in a part of its own.
+            r.part("REPRESENTATION_ITEM")
+                .map_or_else(|| r.args().text(0), |args| args.text(0))
+        });
         if name == "NONE" { String::new() } else { name }
     }
 
@@ -313,10 +358,8 @@ impl<'a> Reader<'a> {
         if self.tree.context(placed.id).uncertainty.is_some() {
             *uncertainty = Some(uncertainty.unwrap_or(0.0).max(space.uncertainty));
         }
-        self.document.items.push(Item {
-            name: path.join("/"),
-            colour,
-            form,
-        });
+        let name = path.join("/");
+        self.file.charge(name.len());
+        self.document.items.push(Item { name, colour, form });
     }
 }

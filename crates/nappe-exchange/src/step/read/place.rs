@@ -4,7 +4,7 @@ use super::file::{File, Got};
 use super::units::Context;
 use super::value::Value;
 use glam::{DAffine3, DMat3, DVec3};
-use nappe::{Frame, Units};
+use nappe::{Frame, LARGEST_LENGTH, Units};
 
 /// How a representation's numbers become the document's.
 #[derive(Clone, Debug)]
@@ -72,10 +72,16 @@ impl<'a> Space<'a> {
         } else {
             p * self.factor
         };
-        Ok(match &self.map {
+        let p = match &self.map {
             Some(m) => m.transform_point3(p),
             None => p,
-        })
+        };
+        // Not a number is not within either.
+        if p.to_array().iter().all(|x| x.abs() <= LARGEST_LENGTH) {
+            return Ok(p);
+        }
+        let why = format!("it is farther than {LARGEST_LENGTH:e} from the origin");
+        Err(self.file.refused(id, why))
     }
 
     /// A `DIRECTION`, of any length but 0.
@@ -121,11 +127,11 @@ impl<'a> Space<'a> {
         let mapped = |d: DVec3| self.map.map_or(d, |m| m.matrix3 * d);
         let z = direction(2)?.unwrap_or_else(|| mapped(DVec3::Z));
         let x = if round { None } else { direction(3)? };
-        // Without a direction, x is that of space, or z where the axis runs along that.
+        // Without a direction, x is that of space, or y where the axis runs along that (ISO 10303-42, first_proj_axis).
         let frame = match x.filter(|x| x.normalize().cross(z.normalize()).length() > RIGID) {
             Some(x) => Frame::new(origin, z, x),
             None => Frame::new(origin, z, mapped(DVec3::X))
-                .or_else(|_| Frame::new(origin, z, mapped(DVec3::Z))),
+                .or_else(|_| Frame::new(origin, z, mapped(DVec3::Y))),
         };
         frame.map_err(|e| record.refused(e.to_string()))
     }
@@ -149,7 +155,12 @@ impl<'a> Space<'a> {
         };
         let origin = self.point(args.reference(first + 2)?)?;
         let z = axis(4, DVec3::Z)?;
-        let x = axis(0, if z.x.abs() < 0.9 { DVec3::X } else { DVec3::Y })?;
+        let default = if z.cross(DVec3::X).length() > RIGID {
+            DVec3::X
+        } else {
+            DVec3::Y
+        };
+        let x = axis(0, default)?;
         let frame = Frame::new(origin, z, x).map_err(|e| record.refused(e.to_string()))?;
         let y = axis(1, frame.y())?;
         if y.dot(frame.y()) < 0.0 {

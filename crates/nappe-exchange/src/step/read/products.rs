@@ -3,7 +3,7 @@
 use super::file::{File, Got, Refused};
 use super::left::Left;
 use super::place::Space;
-use super::units::Context;
+use super::units::{Context, assumed};
 use glam::DAffine3;
 use nappe::Units;
 use std::collections::{HashMap, HashSet};
@@ -25,6 +25,9 @@ const DEPTH: usize = 64;
 /// More placed representations than this are refused: a file of a few lines can ask for any number.
 const MOST: usize = 1_000_000;
 
+/// What an entry of a list takes, in bytes: it counts towards what a file may ask for.
+const LISTED: usize = 64;
+
 /// One part in another.
 struct Use {
     /// The representation of the part.
@@ -39,6 +42,10 @@ pub(super) struct Tree<'a> {
     file: &'a File<'a>,
     units: Units,
     contexts: HashMap<u64, Context>,
+    /// The same by their own numbers.
+    stated: HashMap<u64, Context>,
+    /// What of them could not be read.
+    faults: Vec<Refused>,
     /// Representations that hold the same shape.
     same: HashMap<u64, Vec<u64>>,
     uses: HashMap<u64, Vec<Use>>,
@@ -46,6 +53,8 @@ pub(super) struct Tree<'a> {
     products: Vec<(u64, String)>,
     /// Those that are parts of others.
     parts: HashSet<u64>,
+    /// Those of them that are somewhere that could not be read.
+    lost: Vec<u64>,
 }
 
 impl<'a> Tree<'a> {
@@ -54,10 +63,13 @@ impl<'a> Tree<'a> {
             file,
             units,
             contexts: HashMap::new(),
+            stated: HashMap::new(),
+            faults: Vec::new(),
             same: HashMap::new(),
             uses: HashMap::new(),
             products: Vec::new(),
             parts: HashSet::new(),
+            lost: Vec::new(),
         };
         let shapes = tree.shapes();
         for id in file.all("SHAPE_REPRESENTATION_RELATIONSHIP") {
@@ -142,15 +154,22 @@ impl<'a> Tree<'a> {
         let record = self.file.record(id)?;
         let relation = record.args().reference(0)?;
         used.insert(relation);
-        let usage = self
-            .definition_of(record.args().reference(1)?)
-            .ok_or_else(|| record.refused("it names no use of a part"))?;
-        let usage = self.file.record(usage)?;
-        let args = usage.args();
-        let child = args.reference(4)?;
-        let name = self.name_of(child);
-        let name = if name.is_empty() { args.text(1) } else { name };
-        self.relation(relation, shapes.get(&child).copied(), name)
+        let usage = || -> Got<(Option<u64>, String)> {
+            let usage = self
+                .definition_of(record.args().reference(1)?)
+                .ok_or_else(|| record.refused("it names no use of a part"))?;
+            let usage = self.file.record(usage)?;
+            let args = usage.args();
+            let child = args.reference(4)?;
+            let name = self.name_of(child);
+            let name = if name.is_empty() { args.text(1) } else { name };
+            Ok((shapes.get(&child).copied(), name))
+        };
+        match usage() {
+            Ok((part, name)) => self.relation(relation, part, name),
+            // The part is where it is, whatever it is called.
+            Err(r) => self.relation(relation, None, String::new()).and(Err(r)),
+        }
     }
 
     /// Two representations with placements that are laid on each other; the first is the part unless the second is
@@ -159,20 +178,29 @@ impl<'a> Tree<'a> {
         let record = self.file.record(id)?;
         let args = record.needed("REPRESENTATION_RELATIONSHIP")?;
         let [mut child, mut parent] = [args.reference(2)?, args.reference(3)?];
-        let onto = match record.part("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION") {
-            Some(args) => {
-                let map = self.file.record(args.reference(0)?)?;
-                let args = map.needed("ITEM_DEFINED_TRANSFORMATION")?;
-                Some([args.reference(2)?, args.reference(3)?])
-            }
-            None => None,
-        };
-        let mut onto = onto;
-        if part == Some(parent) && child != parent {
+        let swapped = part == Some(parent) && child != parent;
+        if swapped {
             (child, parent) = (parent, child);
-            onto = onto.map(|[a, b]| [b, a]);
         }
         self.parts.insert(child);
+        let onto = || -> Got<Option<[u64; 2]>> {
+            let Some(args) = record.part("REPRESENTATION_RELATIONSHIP_WITH_TRANSFORMATION") else {
+                return Ok(None);
+            };
+            let map = self.file.record(args.reference(0)?)?;
+            let args = map.needed("ITEM_DEFINED_TRANSFORMATION")?;
+            let [a, b] = [args.reference(2)?, args.reference(3)?];
+            Ok(Some(if swapped { [b, a] } else { [a, b] }))
+        };
+        let onto = onto();
+        let onto = match onto {
+            Ok(onto) => onto,
+            Err(r) => {
+                // Where it is not known to be it is not shown.
+                self.lost.push(child);
+                return Err(r);
+            }
+        };
         self.uses
             .entry(parent)
             .or_default()
@@ -185,13 +213,28 @@ impl<'a> Tree<'a> {
         if let Some(c) = self.contexts.get(&id) {
             return *c;
         }
-        let read = || -> Got<Context> {
-            let record = self.file.record(id)?;
-            Context::read(self.file, record.args().reference(2)?)
+        let file = self.file;
+        let context = match file.record(id).and_then(|r| r.args().reference(2)) {
+            Ok(number) => match self.stated.get(&number) {
+                Some(context) => *context,
+                None => {
+                    let context = Context::read(file, number, &mut |r| self.faults.push(r));
+                    self.stated.insert(number, context);
+                    context
+                }
+            },
+            Err(r) => {
+                self.faults.push(assumed(r));
+                Context::default()
+            }
         };
-        let context = read().unwrap_or_default();
         self.contexts.insert(id, context);
         context
+    }
+
+    /// What of units and uncertainties could not be read, once.
+    pub(super) fn faults(&mut self) -> Vec<Refused> {
+        std::mem::take(&mut self.faults)
     }
 
     fn space(&mut self, id: u64, map: DAffine3) -> Space<'a> {
@@ -219,7 +262,7 @@ impl<'a> Tree<'a> {
     pub(super) fn laid_out(&mut self, left: &mut Left) -> Vec<Placed> {
         let mut out = Vec::new();
         let mut tops: Vec<(u64, String)> = self.tops().cloned().collect();
-        let all: Vec<u64> = representations(self.file);
+        let all = representations(self.file);
         let whole = tops.len() == 1;
         let mut seen = HashSet::new();
         let mut ways = Ways {
@@ -238,12 +281,33 @@ impl<'a> Tree<'a> {
         }
         // Shapes without a product.
         ways.orphans = true;
-        for id in all {
+        for &id in &all {
             if !ways.seen.contains(&id) && !self.parts.contains(&id) {
                 self.lay_out(id, vec![], DAffine3::IDENTITY, &mut Vec::new(), &mut ways);
             }
         }
+        // What is left is part of itself: it is shown once and told.
+        for id in self.lost.clone() {
+            self.pass_over(id, ways.seen);
+        }
+        let products: Vec<u64> = self.products.iter().map(|p| p.0).collect();
+        for id in products.into_iter().chain(all) {
+            if !ways.seen.contains(&id) && ways.out.len() < MOST && self.file.bounded(id).is_ok() {
+                self.lay_out(id, vec![], DAffine3::IDENTITY, &mut Vec::new(), &mut ways);
+            }
+        }
         out
+    }
+
+    /// Takes a representation and all its parts as seen: they are not shown, and that is told elsewhere.
+    fn pass_over(&self, id: u64, seen: &mut HashSet<u64>) {
+        let mut next = vec![id];
+        while let Some(id) = next.pop() {
+            if seen.insert(id) {
+                next.extend(self.same.get(&id).into_iter().flatten());
+                next.extend(self.uses.get(&id).into_iter().flatten().map(|u| u.child));
+            }
+        }
     }
 
     fn lay_out(
@@ -254,13 +318,21 @@ impl<'a> Tree<'a> {
         above: &mut Vec<u64>,
         ways: &mut Ways<'_>,
     ) {
-        if above.contains(&id) || above.len() > DEPTH || ways.out.len() >= MOST {
-            let why = if ways.out.len() >= MOST {
-                format!("the parts are more than {MOST}")
-            } else {
-                "it is a part of itself".into()
-            };
-            return ways.left.add(&self.file.refused(id, why));
+        // Each place has its names.
+        let names: usize = path.iter().map(|name| name.len() + LISTED).sum();
+        self.file.charge(LISTED + names);
+        let why = if ways.out.len() >= MOST {
+            Err(self
+                .file
+                .refused(id, format!("the parts are more than {MOST}")))
+        } else if above.contains(&id) || above.len() > DEPTH {
+            Err(self.file.refused(id, "it is a part of itself"))
+        } else {
+            self.file.bounded(id)
+        };
+        if let Err(r) = why {
+            self.pass_over(id, ways.seen);
+            return ways.left.add(&r);
         }
         let mut group = vec![id];
         let mut i = 0;
@@ -290,7 +362,10 @@ impl<'a> Tree<'a> {
                         path.extend((!name.is_empty()).then_some(name));
                         self.lay_out(child, path, map * inner, above, ways);
                     }
-                    Err(r) => ways.left.add(&r),
+                    Err(r) => {
+                        self.pass_over(child, ways.seen);
+                        ways.left.add(&r);
+                    }
                 }
             }
         }
@@ -307,6 +382,19 @@ impl<'a> Tree<'a> {
         let from = self.space(child, DAffine3::IDENTITY).map_of(from)?;
         let to = self.space(parent, DAffine3::IDENTITY).map_of(to)?;
         Ok(to * from.inverse())
+    }
+
+    /// What a `MAPPED_ITEM` of a representation places, and where. The origin is one of what is placed, in its units.
+    pub(super) fn mapped(&mut self, space: &Space<'_>, id: u64) -> Got<(u64, DAffine3)> {
+        let record = space.file.record(id)?;
+        let args = record.needed("MAPPED_ITEM")?;
+        let source = space.file.record(args.reference(1)?)?;
+        let source = source.needed("REPRESENTATION_MAP")?;
+        let inner = source.reference(1)?;
+        let from = self.space(inner, DAffine3::IDENTITY);
+        let from = from.map_of(source.reference(0)?)?;
+        let to = space.own().map_of(args.reference(2)?)?;
+        Ok((inner, to * from.inverse()))
     }
 }
 
@@ -333,18 +421,4 @@ fn representations(file: &File<'_>) -> Vec<u64> {
         .flat_map(|k| file.all(&k.name))
         .filter(|id| !mapped.contains(id))
         .collect()
-}
-
-/// What a `MAPPED_ITEM` places, and where.
-pub(super) fn mapped(space: &Space<'_>, id: u64) -> Result<(u64, DAffine3), Refused> {
-    let record = space.file.record(id)?;
-    let args = record.needed("MAPPED_ITEM")?;
-    let source = space.file.record(args.reference(1)?)?;
-    let source = source.needed("REPRESENTATION_MAP")?;
-    let own = space.own();
-    let (from, to) = (
-        own.map_of(source.reference(0)?)?,
-        own.map_of(args.reference(2)?)?,
-    );
-    Ok((source.reference(1)?, to * from.inverse()))
 }

@@ -3,6 +3,7 @@
 use super::file::{Args, Got, Record, Refused};
 use super::place::Space;
 use glam::DVec3;
+use nappe::basis::BSplineBasis;
 use nappe::{NurbsCurve, NurbsSurface};
 
 /// The keyword and the knots' kind of a simple entity, or of the parts of a complex one.
@@ -49,7 +50,7 @@ pub(super) fn is_surface(record: &Record<'_>) -> bool {
 pub(super) fn curve(space: &Space<'_>, record: &Record<'_>) -> Got<NurbsCurve> {
     let (args, first, kind) = spelling(record, CURVES);
     let args = args.ok_or_else(|| record.refused("it is no B-spline curve"))?;
-    let degree = args.count(first)?;
+    let degree = degree(&args, first)?;
     let points = points(space, &args.references(first + 1)?)?;
     let knots = if kind == CURVES[1] {
         let (args, at) = if first == 0 {
@@ -78,7 +79,7 @@ pub(super) fn curve(space: &Space<'_>, record: &Record<'_>) -> Got<NurbsCurve> {
 pub(super) fn surface(space: &Space<'_>, record: &Record<'_>) -> Got<NurbsSurface> {
     let (args, first, kind) = spelling(record, SURFACES);
     let args = args.ok_or_else(|| record.refused("it is no B-spline surface"))?;
-    let degree = [args.count(first)?, args.count(first + 1)?];
+    let degree = [degree(&args, first)?, degree(&args, first + 1)?];
     let rows = args.list(first + 2)?;
     let (mut net, mut columns) = (Vec::new(), 0);
     for i in 0..rows.values.len() {
@@ -125,6 +126,16 @@ pub(super) fn surface(space: &Space<'_>, record: &Record<'_>) -> Got<NurbsSurfac
     };
     NurbsSurface::new(degree, knots, &net, weights.as_deref())
         .map_err(|e| record.refused(e.to_string()))
+}
+
+/// A degree that is computed with: as many knots as it asks for are made.
+fn degree(args: &Args<'_, '_>, i: usize) -> Got<usize> {
+    let degree = args.count(i)?;
+    if degree > BSplineBasis::MAX_DEGREE {
+        let most = BSplineBasis::MAX_DEGREE;
+        return Err(args.refused(format!("its degree is {degree}; up to {most} are read")));
+    }
+    Ok(degree)
 }
 
 fn points(space: &Space<'_>, ids: &[u64]) -> Got<Vec<DVec3>> {

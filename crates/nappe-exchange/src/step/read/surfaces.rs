@@ -76,17 +76,11 @@ pub(super) fn expanse(space: &Space<'_>, id: u64, depth: usize) -> Got<Expanse> 
             frame: frame()?,
             radius: length(space, &args, 2)?,
         },
-        "TOROIDAL_SURFACE" | "DEGENERATE_TOROIDAL_SURFACE" => {
-            if record.kind().starts_with('D') && !args.flag(4)? {
-                return Err(record
-                    .refused("the inner part of a torus that passes through itself is not read"));
-            }
-            Expanse::Torus {
-                frame: frame()?,
-                major: length(space, &args, 2)?,
-                minor: length(space, &args, 3)?,
-            }
-        }
+        "TOROIDAL_SURFACE" | "DEGENERATE_TOROIDAL_SURFACE" => Expanse::Torus {
+            frame: frame()?,
+            major: length(space, &args, 2)?,
+            minor: length(space, &args, 3)?,
+        },
         "SURFACE_OF_LINEAR_EXTRUSION" => Expanse::Extrusion {
             course: curves::course(space, args.reference(1)?, 0)?,
             vector: space.vector(args.reference(2)?)?,

@@ -58,7 +58,7 @@ fn escape(s: &str) -> Option<(String, usize)> {
 
 /// Letters of four or eight hexadecimal digits each.
 fn wide(hex: &str, digits: usize) -> Option<String> {
-    if !hex.is_ascii() || hex.len() % digits != 0 {
+    if !hex.is_ascii() || !hex.len().is_multiple_of(digits) {
         return None;
     }
     let codes: Option<Vec<u32>> = (0..hex.len() / digits)

@@ -1,6 +1,6 @@
 //! The units and the uncertainty of a context.
 
-use super::file::{Args, File, Got, number};
+use super::file::{Args, File, Got, Record, Refused, number};
 use super::value::Value;
 use nappe::Units;
 
@@ -31,45 +31,68 @@ impl Default for Context {
 
 /// A factor within this of a known unit's is that unit: files state inches and degrees with ten digits or so.
 const SAME: f64 = 1e-8;
+/// An uncertainty larger than this share of all points' extent says nothing about the shapes.
+const VAGUE: f64 = 1e-2;
+/// Uncertainties below this, in the file's numbers, are not compared with the extent: of shapes so small that they would be too
+/// large nothing is lost by it, as curves have their own limits.
+const FINE: f64 = 1e-3;
 /// Units made of units are followed so far.
 const DEPTH: usize = 8;
 
 impl Context {
-    /// The context with this number.
-    pub(super) fn read(file: &File<'_>, id: u64) -> Got<Self> {
-        let record = file.record(id)?;
+    /// The context with this number. What of it cannot be read is told to `fault`; the rest counts.
+    pub(super) fn read(file: &File<'_>, id: u64, fault: &mut dyn FnMut(Refused)) -> Self {
         let mut context = Context::default();
+        let record = match file.record(id) {
+            Ok(record) => record,
+            Err(r) => {
+                fault(assumed(r));
+                return context;
+            }
+        };
         if let Some(units) = record.part("GLOBAL_UNIT_ASSIGNED_CONTEXT") {
-            for unit in units.references(0)? {
-                match unit_of(file, unit, 0)? {
-                    Some(Unit::Length(metres)) => {
+            let units = units.references(0).unwrap_or_else(|r| {
+                fault(assumed(r));
+                vec![]
+            });
+            for unit in units {
+                match unit_of(file, unit, 0) {
+                    Ok(Some(Unit::Length(metres))) => {
                         context.metres = snapped(metres);
                         context.stated = true;
                     }
-                    Some(Unit::Angle(radians)) => {
+                    Ok(Some(Unit::Angle(radians))) => {
                         let degree = 1f64.to_radians();
                         let near = (radians / degree - 1.0).abs() < SAME;
                         context.radians = if near { degree } else { radians };
                     }
-                    None => {}
+                    Ok(None) => {}
+                    Err(r) => fault(assumed(r)),
                 }
             }
         }
         if let Some(list) = record.part("GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT") {
-            for id in list.references(0)? {
-                let stated = file.record(id)?;
-                let args = stated.args();
-                // The other uncertainties are of angles and parameters.
-                if let (Some(Value::Typed(b"LENGTH_MEASURE", _)), Ok(x)) =
-                    (args.get(0), args.real(0))
-                    && let Ok(Some(Unit::Length(metres))) =
-                        args.reference(1).and_then(|u| unit_of(file, u, 0))
-                {
-                    context.uncertainty = Some(x * metres / context.metres);
+            for id in list.references(0).unwrap_or_default() {
+                match uncertainty(file, id) {
+                    Ok(Some(metres)) => context.uncertainty = Some(metres / context.metres),
+                    Ok(None) => {}
+                    Err(r) => fault(r),
                 }
             }
         }
-        Ok(context)
+        if let Some(x) = context.uncertainty
+            && x > FINE
+            && file.extent() > 0.0
+            && x > VAGUE * file.extent()
+        {
+            context.uncertainty = None;
+            let why = format!(
+                "its uncertainty of {x} is not small beside the {} that its points extend; it is not used",
+                file.extent()
+            );
+            fault(file.refused(id, why));
+        }
+        context
     }
 
     /// The nearest unit that coordinates can be given in, and the factor to it.
@@ -95,6 +118,44 @@ impl Context {
             self.metres / units.metres()
         }
     }
+}
+
+/// A refusal of a unit, with what is done about it.
+pub(super) fn assumed(r: Refused) -> Refused {
+    let why = format!(
+        "{}; of units that are not stated otherwise lengths are taken as millimetres, angles as radians",
+        r.why
+    );
+    Refused { why, ..r }
+}
+
+/// The parameters of a value with its unit, which may be one part of several.
+fn measure<'r, 'a>(record: &'r Record<'a>) -> Args<'r, 'a> {
+    record
+        .part("MEASURE_WITH_UNIT")
+        .unwrap_or_else(|| record.args())
+}
+
+/// A stated uncertainty of lengths, metres.
+fn uncertainty(file: &File<'_>, id: u64) -> Got<Option<f64>> {
+    let record = file.record(id)?;
+    let args = measure(&record);
+    // The other uncertainties are of angles and parameters.
+    let Some(Value::Typed(b"LENGTH_MEASURE", _)) = args.get(0) else {
+        return Ok(None);
+    };
+    let x = args.real(0)?;
+    if x.is_nan() || x < 0.0 {
+        return Err(record.refused(format!(
+            "the uncertainty {x} is less than nothing; it is not used"
+        )));
+    }
+    let unit = unit_of(file, args.reference(1)?, 0)?;
+    Ok(match unit {
+        // Many systems write 0 where they know nothing.
+        Some(Unit::Length(metres)) if x > 0.0 => Some(x * metres),
+        _ => None,
+    })
 }
 
 fn snapped(metres: f64) -> f64 {
@@ -124,7 +185,7 @@ fn unit_of(file: &File<'_>, id: u64, depth: usize) -> Got<Option<Unit>> {
         prefix(&si)?
     } else if let Some(args) = record.part("CONVERSION_BASED_UNIT") {
         let measure = file.record(args.reference(1)?)?;
-        let args = measure.args();
+        let args = self::measure(&measure);
         let factor = args
             .get(0)
             .and_then(number)

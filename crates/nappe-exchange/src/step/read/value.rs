@@ -38,6 +38,11 @@ impl<'a> Cursor<'a> {
         Self { bytes, at }
     }
 
+    /// The byte that it is at.
+    pub(super) fn place(&self) -> usize {
+        self.at
+    }
+
     fn wrong(&self, what: &str) -> String {
         format!("{what} expected, `{}` found", shown(self.bytes, self.at))
     }

@@ -4,8 +4,11 @@ use super::WriteError;
 use super::geometry;
 use super::out::Out;
 use crate::FaceStyle;
-use nappe::body::{Body, Coedge, Face, Loop, Shell};
+use glam::DVec3;
+use nappe::body::{Body, Coedge, Face, Loop, Shell, figures};
+use nappe::measure::Measured;
 use nappe::mesh::Certainty;
+use nappe::surface::Surface;
 
 /// What a body became.
 pub(super) struct Parts {
@@ -20,6 +23,11 @@ pub(super) struct Parts {
     /// The largest tolerance of an edge.
     pub(super) tolerance: f64,
 }
+
+/// Places along a side where two sides are compared.
+const SAMPLES: usize = 8;
+/// Sides nearer to each other than this share of the surface are one.
+const MEETING: f64 = 1e-6;
 
 struct Writer<'o, 'w, 'b> {
     out: &'o mut Out<'w>,
@@ -56,20 +64,20 @@ pub(super) fn body(
         let name = styles.get(i).map_or("", |s| &s.name);
         writer.parts.faces[i] = writer.face(face, name)?;
     }
-    let hollow = hollow(&body.shells);
+    let hollow = is_hollow(body);
     let ids: Result<Vec<u64>, WriteError> = body.shells.iter().map(|s| writer.shell(s)).collect();
     let ids = ids?;
     if hollow {
         let outer = ids[0];
         let mut voids = Vec::new();
-        for id in &ids[1..] {
+        for (shell, id) in body.shells.iter().zip(&ids).skip(1) {
             let out = &mut writer.out;
             let oriented = out
                 .open("ORIENTED_CLOSED_SHELL")
                 .text("")
                 .word("*")
                 .reference(*id)
-                .flag(false)
+                .flag(!is_turned(shell))
                 .close()?;
             voids.push(oriented);
         }
@@ -131,12 +139,71 @@ fn is_turned(shell: &Shell) -> bool {
     shell.faces.iter().all(|f| !f.1)
 }
 
-/// Whether all shells but the first are turned inside out: the hollows of a solid.
-fn hollow(shells: &[Shell]) -> bool {
-    shells.len() > 1
-        && shells.iter().all(|s| s.closed)
-        && !is_turned(&shells[0])
-        && shells[1..].iter().all(is_turned)
+/// Whether all shells but the first are turned inside out: the hollows of a solid. Where their faces do not all say so, what
+/// they enclose does.
+fn is_hollow(body: &Body) -> bool {
+    let shells = &body.shells;
+    if shells.len() < 2 || !shells.iter().all(|s| s.closed) {
+        return false;
+    }
+    if !is_turned(&shells[0]) && shells[1..].iter().all(is_turned) {
+        return true;
+    }
+    if !shells[1..].iter().all(|s| is_within(body, s, &shells[0])) {
+        return false;
+    }
+    let Ok(figures) = figures(body) else {
+        return false;
+    };
+    let sign = |v: &Option<Measured>| {
+        let v = v.as_ref()?;
+        (v.value.abs() > v.certainty.error()).then_some(v.value > 0.0)
+    };
+    let mut signs = figures.volumes.iter().map(sign);
+    signs.next() == Some(Some(true)) && signs.all(|s| s == Some(false))
+}
+
+/// Whether each two opposite sides of a surface are one curve or a point each, by samples.
+fn is_closed(surface: &dyn Surface) -> bool {
+    let domain = surface.domain();
+    let at = |dir: usize, side: f64, along: usize| {
+        let t = along as f64 / SAMPLES as f64;
+        let mut uv = [0.0; 2];
+        for (i, d) in domain.iter().enumerate() {
+            let share = if i == dir { side } else { t };
+            uv[i] = d.lo + (d.hi - d.lo) * share;
+        }
+        surface.point(uv)
+    };
+    let inside = (0..=SAMPLES).map(|i| at(0, i as f64 / SAMPLES as f64, SAMPLES / 2));
+    let middle = at(0, 0.5, SAMPLES / 2);
+    let size = inside.map(|p| p.distance(middle)).fold(0.0, f64::max);
+    let same = |a: DVec3, b: DVec3| a.distance(b) <= MEETING * size;
+    (0..2).all(|dir| {
+        let all = || 0..=SAMPLES;
+        let point = |side: f64| all().all(|i| same(at(dir, side, i), at(dir, side, 0)));
+        all().all(|i| same(at(dir, 0.0, i), at(dir, 1.0, i))) || (point(0.0) && point(1.0))
+    })
+}
+
+/// Whether a shell may lie in another: their edges' boxes do not say that it does not.
+fn is_within(body: &Body, inner: &Shell, outer: &Shell) -> bool {
+    let extent = |shell: &Shell| {
+        let loops = shell.faces.iter().flat_map(|f| &body.faces[f.0].loops);
+        let coedges = loops.flat_map(|l| match l {
+            Loop::Edges(coedges) => coedges.as_slice(),
+            Loop::Vertex(_) => &[],
+        });
+        let curves = coedges.map(|c| &body.edges[c.edge].curve);
+        curves
+            .map(|c| c.bounds(c.domain()))
+            .reduce(|a, b| a.hull(b))
+    };
+    // Faces without edges reach anywhere, and faces reach beyond their edges.
+    match (extent(inner), extent(outer)) {
+        (Some(inner), Some(outer)) => inner.mid().distance(outer.mid()) <= outer.diagonal(),
+        _ => true,
+    }
 }
 
 impl Writer<'_, '_, '_> {
@@ -173,6 +240,23 @@ impl Writer<'_, '_, '_> {
         }
         self.parts.certainty = self.parts.certainty.and(surface.certainty);
         let mut bounds = Vec::new();
+        if face.loops.is_empty() {
+            let vertex = self.anywhere(face)?;
+            let id = self
+                .out
+                .open("VERTEX_LOOP")
+                .text("")
+                .reference(vertex)
+                .close()?;
+            bounds.push(
+                self.out
+                    .open("FACE_BOUND")
+                    .text("")
+                    .reference(id)
+                    .word(".T.")
+                    .close()?,
+            );
+        }
         for l in &face.loops {
             let id = match l {
                 Loop::Vertex(v) => {
@@ -214,6 +298,22 @@ impl Writer<'_, '_, '_> {
         Ok(id)
     }
 
+    /// A vertex on a face that is a whole closed surface: the standard wants a bound of every face.
+    fn anywhere(&mut self, face: &Face) -> Result<u64, WriteError> {
+        if !is_closed(face.surface.as_ref()) {
+            let why = "a face has no loops, but its surface has sides; give it a loop along them";
+            return Err(WriteError::Shape(why.into()));
+        }
+        let [u, v] = face.surface.domain();
+        let point = self.out.point(face.surface.point([u.lo, v.lo]))?;
+        Ok(self
+            .out
+            .open("VERTEX_POINT")
+            .text("")
+            .reference(point)
+            .close()?)
+    }
+
     fn coedge(&mut self, c: Coedge) -> Result<u64, WriteError> {
         let edge = self.edge(c.edge)?;
         let out = &mut self.out;
@@ -236,8 +336,8 @@ impl Writer<'_, '_, '_> {
             self.vertex(edge.vertices[0])?,
             self.vertex(edge.vertices[1])?,
         ];
-        let (curve, certainty) = geometry::curve(self.out, edge.curve.as_ref(), self.tol)?;
-        self.parts.certainty = self.parts.certainty.and(certainty);
+        let curve = geometry::curve(self.out, edge.curve.as_ref(), "", self.tol)?;
+        self.parts.certainty = self.parts.certainty.and(curve.certainty);
         self.parts.tolerance = self.parts.tolerance.max(edge.tolerance);
         let out = &mut self.out;
         let id = out
@@ -245,7 +345,7 @@ impl Writer<'_, '_, '_> {
             .text("")
             .reference(ends[0])
             .reference(ends[1])
-            .reference(curve)
+            .reference(curve.id)
             .word(".T.")
             .close()?;
         self.edges[i] = Some(id);

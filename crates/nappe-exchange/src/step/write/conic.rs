@@ -69,7 +69,7 @@ fn ellipse(curve: &NurbsCurve) -> Option<Conic> {
         return None;
     };
     let w = p1.w / (p0.w * p2.w).sqrt();
-    if !(w.abs() < STRAIGHT) {
+    if w.is_nan() || w.abs() >= STRAIGHT {
         return None;
     }
     let [a, m, b] = [p0, p1, p2].map(|p| p.xyz() / p.w);

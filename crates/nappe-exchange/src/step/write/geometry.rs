@@ -18,16 +18,28 @@ pub(super) struct Written {
     pub(super) certainty: Certainty,
 }
 
-/// A curve; gives its number and how far it is from what it stands for.
+/// A curve in the file.
+pub(super) struct Curved {
+    pub(super) id: u64,
+    /// Whether it ends where the curve ends that it stands for; lines and ellipses go on.
+    pub(super) ends: bool,
+    /// How far it is from that.
+    pub(super) certainty: Certainty,
+}
+
+/// A curve. Lines and ellipses have no name: what trims them has it.
 pub(super) fn curve(
     out: &mut Out<'_>,
     curve: &dyn Curve,
+    name: &str,
     tol: f64,
-) -> Result<(u64, Certainty), WriteError> {
+) -> Result<Curved, WriteError> {
     let form =
         to_nurbs_or_approximate_curve(curve, tol).map_err(|e| WriteError::Shape(e.to_string()))?;
     let nurbs = form.nurbs;
-    let id = match conic(&nurbs) {
+    let conic = conic(&nurbs);
+    let ends = conic.is_none();
+    let id = match conic {
         Some(Conic::Line { from, along }) => {
             let point = out.point(from)?;
             let direction = out.direction(along.normalize())?;
@@ -68,10 +80,14 @@ pub(super) fn curve(
                     .clamped()
                     .map_err(|e| WriteError::Shape(e.to_string()))?
             };
-            spline_curve(out, &clamped)?
+            spline_curve(out, &clamped, name)?
         }
     };
-    Ok((id, form.certainty))
+    Ok(Curved {
+        id,
+        ends,
+        certainty: form.certainty,
+    })
 }
 
 /// Distinct knots and how often each occurs.
@@ -101,7 +117,7 @@ fn points(out: &mut Out<'_>, points: &[DVec3]) -> Result<Vec<u64>, WriteError> {
     points.iter().map(|p| Ok(out.point(*p)?)).collect()
 }
 
-fn spline_curve(out: &mut Out<'_>, n: &NurbsCurve) -> Result<u64, WriteError> {
+fn spline_curve(out: &mut Out<'_>, n: &NurbsCurve, name: &str) -> Result<u64, WriteError> {
     let ids = points(out, &n.control_points())?;
     let (times, distinct) = knots(n.knots());
     let [first, last] = n.ends();
@@ -109,7 +125,7 @@ fn spline_curve(out: &mut Out<'_>, n: &NurbsCurve) -> Result<u64, WriteError> {
     if rational {
         out.open("(BOUNDED_CURVE()B_SPLINE_CURVE");
     } else {
-        out.open("B_SPLINE_CURVE_WITH_KNOTS").text("");
+        out.open("B_SPLINE_CURVE_WITH_KNOTS").text(name);
     }
     out.count(n.degree()).references(&ids).word(".UNSPECIFIED.");
     out.flag(first == last).word(".F.");
@@ -121,7 +137,8 @@ fn spline_curve(out: &mut Out<'_>, n: &NurbsCurve) -> Result<u64, WriteError> {
     if rational {
         out.raw(")CURVE()GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_CURVE(");
         out.reals(n.weights());
-        out.raw(")REPRESENTATION_ITEM('')");
+        out.raw(")REPRESENTATION_ITEM(");
+        out.text(name).end();
     }
     Ok(out.close()?)
 }

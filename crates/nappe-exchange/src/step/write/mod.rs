@@ -135,20 +135,24 @@ pub(super) fn put(
                 tolerance = tolerance.max(parts.tolerance);
             }
             ItemForm::Curve(curve) => {
-                let (id, certainty) = geometry::curve(&mut out, curve.as_ref(), options.tolerance)?;
-                report.certainty = report.certainty.and(certainty);
-                // Lines and circles end where they are trimmed.
-                let [from, to] = curve.ends();
-                let ends = [out.point(from)?, out.point(to)?];
-                let id = out
-                    .open("TRIMMED_CURVE")
-                    .text(&item.name)
-                    .reference(id)
-                    .references(&ends[..1])
-                    .references(&ends[1..])
-                    .word(".T.")
-                    .word(".CARTESIAN.")
-                    .close()?;
+                let curved =
+                    geometry::curve(&mut out, curve.as_ref(), &item.name, options.tolerance)?;
+                report.certainty = report.certainty.and(curved.certainty);
+                let id = if curved.ends {
+                    curved.id
+                } else {
+                    // Lines and ellipses end where they are trimmed.
+                    let [from, to] = curve.ends();
+                    let ends = [out.point(from)?, out.point(to)?];
+                    out.open("TRIMMED_CURVE")
+                        .text(&item.name)
+                        .reference(curved.id)
+                        .references(&ends[..1])
+                        .references(&ends[1..])
+                        .word(".T.")
+                        .word(".CARTESIAN.")
+                        .close()?
+                };
                 let set = out
                     .open("GEOMETRIC_CURVE_SET")
                     .text("")
@@ -157,6 +161,7 @@ pub(super) fn put(
                 styled.extend(item.colour.map(|c| (id, c, true)));
                 roots[2].push(set);
             }
+            ItemForm::Points(points) if points.is_empty() => {}
             ItemForm::Points(points) => {
                 let ids: io::Result<Vec<u64>> = points.iter().map(|p| out.point(*p)).collect();
                 let set = out
@@ -167,6 +172,14 @@ pub(super) fn put(
                 roots[2].push(set);
             }
         }
+        if !out.is_finite() {
+            let why = format!("`{}`: it has a number that is not finite", item.name);
+            return Err(WriteError::Shape(why));
+        }
+    }
+    if roots.iter().all(Vec::is_empty) {
+        let why = "its items have no faces, curves or points";
+        return Err(WriteError::Shape(why.into()));
     }
     report.uncertainty = report
         .uncertainty
@@ -182,6 +195,10 @@ pub(super) fn put(
         &styled,
         options.schema,
     )?;
+    if !out.is_finite() {
+        let why = "its uncertainty or a colour is not a finite number";
+        return Err(WriteError::Shape(why.into()));
+    }
     out.raw("ENDSEC;\nEND-ISO-10303-21;\n");
     out.finish()?;
     Ok(report)

@@ -12,6 +12,8 @@ pub(super) struct Out<'w> {
     text: Vec<u8>,
     last: u64,
     number: zmij::Buffer,
+    /// Whether all numbers were finite.
+    finite: bool,
 }
 
 impl<'w> Out<'w> {
@@ -21,7 +23,13 @@ impl<'w> Out<'w> {
             text: Vec::with_capacity(2 * PART),
             last: 0,
             number: zmij::Buffer::new(),
+            finite: true,
         }
+    }
+
+    /// Whether all numbers up to here were finite; others have no spelling, and what is written is then worth nothing.
+    pub(super) fn is_finite(&self) -> bool {
+        self.finite
     }
 
     /// Text outside entities.
@@ -105,6 +113,11 @@ impl<'w> Out<'w> {
     /// The shortest decimal that reads back as the same number, in the standard's spelling: `1.`, `2.5E-7`.
     pub(super) fn real(&mut self, x: f64) -> &mut Self {
         self.comma();
+        if !x.is_finite() {
+            self.finite = false;
+            self.raw("0.");
+            return self;
+        }
         let digits = self.number.format_finite(x).as_bytes();
         let end = digits
             .iter()

@@ -3,17 +3,18 @@
 
 use super::follow::{End, Strand};
 use super::pair::{Pair, Place};
+use super::parts::ON_SIDE;
 use super::step::Part4;
+use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::query::seams::in_a_row;
 use crate::query::trace::BranchEnd;
+use glam::DVec3;
 
 /// Parameters nearer than this, relative to the domain, are the same.
 const SAME: f64 = 1e-7;
 /// Points nearer than this, relative to the size, are the same.
 const SAME_POINT: f64 = 1e-8;
-/// Places of a strand at which it is seen whether another one runs there too.
-const PLACES: usize = 7;
 
 /// A strand with the number of its pair of rectangles.
 pub(super) struct Piece {
@@ -36,6 +37,7 @@ pub(super) fn joined(
     pairs: &[Pair],
     domain: [Interval; 4],
     size: f64,
+    tol: f64,
 ) -> Vec<Joined> {
     let near_point = SAME_POINT * size;
     let point = |k: usize, x: Place| pairs[pieces[k].pair].point(x);
@@ -65,7 +67,7 @@ pub(super) fn joined(
         })
     };
     let gone: Vec<bool> = (0..pieces.len())
-        .map(|k| is_double(k, pieces, pairs, near_point))
+        .map(|k| is_double(k, pieces, pairs, near_point, ON_SIDE * tol))
         .collect();
     let mut next = vec![None; pieces.len()];
     let mut taken = vec![false; pieces.len()];
@@ -115,8 +117,10 @@ pub(super) fn joined(
     lists.into_iter().map(join).collect()
 }
 
-/// True if a strand runs along a side of its rectangle, and an earlier one runs along a side there too.
-fn is_double(k: usize, pieces: &[Piece], pairs: &[Pair], near: f64) -> bool {
+/// True if a strand runs along a side of its rectangle, and a longer or earlier one runs along a side there too, all the way:
+/// the ends and the middle of each part lie on it, within the errors of both and a rounding error `near`. Its ends may
+/// lie farther away by `beyond`, by which rectangles reach over their sides.
+fn is_double(k: usize, pieces: &[Piece], pairs: &[Pair], near: f64, beyond: f64) -> bool {
     let along = |k: usize| {
         let rect = pairs[pieces[k].pair].rect;
         let points = || pieces[k].strand.parts.iter().flat_map(|p| p.points);
@@ -125,7 +129,7 @@ fn is_double(k: usize, pieces: &[Piece], pairs: &[Pair], near: f64) -> bool {
             on(rect[j].lo) || on(rect[j].hi)
         })
     };
-    if pieces.is_empty() || !along(k) {
+    if pieces[k].strand.parts.is_empty() || !along(k) {
         return false;
     }
     let point = |k: usize, x: Place| pairs[pieces[k].pair].point(x);
@@ -137,16 +141,33 @@ fn is_double(k: usize, pieces: &[Piece], pairs: &[Pair], near: f64) -> bool {
     };
     let runs_there = |j: usize| {
         let near = near + pieces[k].strand.error + pieces[j].strand.error;
-        let parts = &pieces[k].strand.parts;
-        let step = parts.len().div_ceil(PLACES);
-        let mut places = parts.iter().step_by(step).map(|p| p.points[0]);
-        places.all(|x| {
-            let p = point(k, x);
-            let others = &pieces[j].strand.parts;
-            others.iter().any(|part| {
-                let distance = |t: f64| point(j, part.at(t)).distance(p);
-                nearest(&distance) <= near
+        // Between samples an arc leaves them by less than the longest step.
+        let others: Vec<(&Part4, Box3)> = pieces[j]
+            .strand
+            .parts
+            .iter()
+            .map(|part| {
+                let points = (0..=8).map(|i| point(j, part.at(f64::from(i) / 8.0)));
+                let points: Vec<DVec3> = points.collect();
+                let step = points.windows(2).map(|p| p[0].distance(p[1]));
+                let around = Box3::around(points.iter().copied()).unwrap_or(Box3::ENTIRE);
+                (part, around.inflate(step.fold(near + beyond, f64::max)))
             })
+            .collect();
+        let on = |x: Place, near: f64| {
+            let p = point(k, x);
+            others.iter().any(|(part, around)| {
+                let distance = |t: f64| point(j, part.at(t)).distance(p);
+                around.contains(p) && nearest(&distance) <= near
+            })
+        };
+        let parts = &pieces[k].strand.parts;
+        let last = parts.len().saturating_sub(1);
+        parts.iter().enumerate().all(|(i, part)| {
+            let at = |end: bool| if end { near + beyond } else { near };
+            on(part.at(0.5), near)
+                && on(part.points[0], at(i == 0))
+                && on(part.points[3], at(i == last))
         })
     };
     let reach = |k: usize| chords(k).map(|[a, b]| a.distance(b)).sum::<f64>();
@@ -174,4 +195,70 @@ fn nearest(f: &dyn Fn(f64) -> f64) -> f64 {
         }
     }
     f(0.5 * (lo + hi))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::surface::{SurfaceRef, bilinear};
+    use std::array::from_fn;
+    use std::sync::Arc;
+
+    /// A piece straight from one place to another on a square, in so many parts.
+    fn piece(from: [f64; 2], to: [f64; 2], parts: usize) -> Piece {
+        let at = |t: f64| {
+            let [u, v] = from_fn(|k| from[k] + t * (to[k] - from[k]));
+            [u, v, u, v]
+        };
+        let part = |i: usize| Part4 {
+            points: from_fn(|k| at((i as f64 + k as f64 / 3.0) / parts as f64)),
+            length: 1.0,
+            smooth: true,
+        };
+        Piece {
+            strand: Strand {
+                parts: (0..parts).map(part).collect(),
+                ends: None,
+                error: 0.0,
+                covers: Vec::new(),
+            },
+            pair: 0,
+            ends: None,
+        }
+    }
+
+    #[test]
+    fn a_strand_is_dropped_only_if_all_of_it_runs_on_another() {
+        let corner = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let square: SurfaceRef = Arc::new(
+            bilinear([
+                [corner(0.0, 0.0), corner(0.0, 1.0)],
+                [corner(1.0, 0.0), corner(1.0, 1.0)],
+            ])
+            .unwrap(),
+        );
+        let unit = [Interval { lo: 0.0, hi: 1.0 }; 4];
+        let pairs = [Pair {
+            surfaces: [square.clone(), square],
+            rect: unit,
+            outer: unit,
+            size: 1.0,
+        }];
+        let double = |pieces: [Piece; 2]| is_double(0, &pieces, &pairs, 1e-8, 0.25e-6);
+        let south = || piece([0.0, 0.0], [1.0, 0.0], 3);
+        // From the same corner along another side, in one part: the place where it begins lies on both.
+        assert!(!double([piece([0.0, 0.0], [0.0, 0.3], 1), south()]));
+        // It goes on beyond the other one.
+        let half = || piece([0.0, 0.0], [0.5, 0.0], 1);
+        assert!(!double([piece([0.4, 0.0], [0.55, 0.0], 4), half()]));
+        assert!(!double([south(), half()]));
+        // All of it is there, in either direction.
+        assert!(double([piece([0.2, 0.0], [0.5, 0.0], 2), south()]));
+        assert!(double([piece([0.5, 0.0], [0.0, 0.0], 1), south()]));
+        // Of two that are the same the first stays.
+        assert!(!double([south(), south()]));
+        assert!(!double([half(), piece([0.0, 1e-3], [1.0, 1e-3], 2)]));
+    }
 }

@@ -11,25 +11,24 @@
 mod follow;
 mod join;
 mod pair;
+mod parts;
 mod search;
 mod step;
 
-use super::extended::MARGIN;
 use super::path::Path;
 use super::trace::BranchEnd;
-use crate::box3::Box3;
-use crate::breaks::Breaks;
 use crate::clusters::clusters;
 use crate::curve::CurveRef;
 use crate::interval::Interval;
 use crate::measure::size;
 use crate::mesh::Certainty;
-use crate::surface::{Dir, SurfaceRef, enclose_direct};
+use crate::surface::SurfaceRef;
 use follow::End;
 use glam::DVec3;
 use join::{Joined, Piece, joined};
-use pair::{Box4, Pair, Place};
-use search::{Open, search};
+use pair::{Box4, Place};
+use parts::{Pairs, pairs};
+use search::{Open, STEP, search};
 use std::array::from_fn;
 use std::fmt;
 use std::sync::Arc;
@@ -37,16 +36,16 @@ use step::{Part4, Stepper};
 
 /// The default tolerance as a share of the size of the smaller surface.
 const DEFAULT_TOL: f64 = 1e-6;
-/// Curves beyond a side by less than this part of the tolerance count as on it.
-const ON_SIDE: f64 = 0.25;
 /// Boxes nearer than this, relative to the domains, are one place that is not decided.
 const ONE_PLACE: f64 = 1e-3;
 /// Curves shorter than this, relative to the size, that end where no step could be proven are parts of such a place.
 const SCRAP: f64 = 2e-3;
 /// The share of what is left of the budget that one pair of parts may take.
 const SHARE: usize = 3;
-/// At least so many boxes are looked at for each pair of parts between creases.
+/// At least so many boxes are looked at for each pair of parts between creases, while [`ALL`] allows it.
 const LEAST: usize = 2000;
+/// All pairs together take no more than so many budgets, a step counting as [`STEP`] boxes.
+const ALL: usize = 10;
 
 /// How to intersect two surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,7 +55,8 @@ pub struct IntersectOptions {
     /// says so.
     pub tol: Option<f64>,
     /// The most boxes that are looked at, and the most steps that are tried. Where there are creases at least 2000 are for each
-    /// pair of parts between them whose boxes touch.
+    /// pair of parts between them whose boxes touch, until all together have taken ten times the budget, a step counting as
+    /// eight boxes. What is not looked at is told as not decided.
     pub budget: usize,
 }
 
@@ -187,19 +187,22 @@ pub struct SurfaceSurface {
 /// creases branches go on where their ends agree within rounding. Where surfaces touch, coincide or cross at a vanishing
 /// angle the place is given with its size. Poles, where a side is one point, are such places.
 ///
-/// Errors: the tolerance is not positive. Cost: one or two enclosures for each part of a surface that is looked at, and some for
-/// each step; two bicubic surfaces with a few branches take some ten thousand boxes.
+/// Errors: the tolerance is not positive. Cost: the boxes of the parts between creases are sorted along an axis; then one or
+/// two enclosures for each part of a surface that is looked at, and some for each step; two bicubic surfaces with a few branches take some ten thousand boxes.
 ///
 /// ```
 /// use nappe::query::{IntersectOptions, intersect_surfaces};
-/// use nappe::surface::{Torus, TorusOptions, Transformed};
+/// use nappe::surface::{Quadric, QuadricOptions, QuadricShape, Transformed};
 /// use nappe::{DAffine3, DVec3, SurfaceRef};
 /// use std::sync::Arc;
 ///
-/// let ring: SurfaceRef = Arc::new(Torus::new(3.0, 1.0, TorusOptions::default()).unwrap());
-/// let moved = Transformed::new(ring.clone(), DAffine3::from_translation(DVec3::new(4.1, 0.2, 0.3))).unwrap();
-/// let found = intersect_surfaces(&ring, &(Arc::new(moved) as SurfaceRef), &IntersectOptions::default()).unwrap();
-/// assert!(found.undecided.is_empty() && found.branches.iter().all(|b| b.is_closed()));
+/// let ball = Quadric::new(QuadricShape::Sphere, &[1.0], QuadricOptions::default()).unwrap();
+/// let ball: SurfaceRef = Arc::new(ball);
+/// let by = DAffine3::from_translation(DVec3::new(1.1, 0.2, 0.3));
+/// let moved: SurfaceRef = Arc::new(Transformed::new(ball.clone(), by).unwrap());
+/// let found = intersect_surfaces(&ball, &moved, &IntersectOptions::default()).unwrap();
+/// assert_eq!((found.branches.len(), found.undecided.len()), (1, 0));
+/// assert!(found.branches[0].is_closed());
 /// ```
 pub fn intersect_surfaces(
     a: &SurfaceRef,
@@ -213,7 +216,7 @@ pub fn intersect_surfaces(
     }
     let smaller = size(a.as_ref()).min(size(b.as_ref()));
     let tol = options.tol.unwrap_or(DEFAULT_TOL * smaller);
-    let pairs = pairs([a, b], tol, smaller);
+    let Pairs { pairs, rest } = pairs([a, b], tol, smaller, options.budget);
     let mut out = SurfaceSurface {
         tol,
         ..SurfaceSurface::default()
@@ -221,7 +224,13 @@ pub fn intersect_surfaces(
     let [p, q] = [a, b].map(|s| s.domain());
     let domain = [p[0], p[1], q[0], q[1]];
     let mut left = options.budget;
-    let (mut strands, mut open) = (Vec::new(), Vec::new());
+    let mut all = options.budget.saturating_mul(ALL);
+    let mut strands = Vec::new();
+    let around_rest = rest.map(|x| Open {
+        x,
+        coincides: false,
+    });
+    let mut open: Vec<Open> = around_rest.into_iter().collect();
     for (number, pair) in pairs.iter().enumerate() {
         let stepper = Stepper {
             pair,
@@ -229,8 +238,10 @@ pub fn intersect_surfaces(
             widths: domain.map(Interval::width),
         };
         // None takes all that the others need.
-        let found = search(&stepper, (left / SHARE).max(LEAST.min(options.budget)));
+        let own = (left / SHARE).max(LEAST.min(options.budget)).min(all);
+        let found = search(&stepper, own);
         left = left.saturating_sub(found.looked);
+        all = all.saturating_sub(found.looked + STEP * found.steps);
         out.boxes += found.looked;
         out.touches.extend(found.touches);
         open.extend(found.open.into_iter().map(|o| Open {
@@ -281,7 +292,7 @@ pub fn intersect_surfaces(
         ends: joined.ends,
         certainty: Certainty::Bounded(joined.error),
     };
-    let branches = joined(&pieces, &pairs, domain, largest)
+    let branches = joined(&pieces, &pairs, domain, largest, tol)
         .into_iter()
         .map(make);
     out.branches = in_order(branches.collect(), domain[0].width());
@@ -292,60 +303,6 @@ pub fn intersect_surfaces(
     }
     out.touches = distinct(&out, [a, b]);
     Ok(out)
-}
-
-/// The parts of both surfaces between creases whose boxes touch.
-fn pairs(surfaces: [&SurfaceRef; 2], tol: f64, smaller: f64) -> Vec<Pair> {
-    let parts = surfaces.map(|s| {
-        let ranges = [Dir::U, Dir::V].map(|dir| {
-            let breaks = s.breaks(dir);
-            let mut at = breaks.below(1);
-            let domain = breaks.domain();
-            at.insert(0, domain.lo);
-            at.push(domain.hi);
-            at.windows(2)
-                .map(|w| Interval { lo: w[0], hi: w[1] })
-                .collect::<Vec<_>>()
-        });
-        let mut rects: Vec<([Interval; 2], Box3, [f64; 2])> = Vec::new();
-        for &u in &ranges[0] {
-            for &v in &ranges[1] {
-                let j = enclose_direct(s.as_ref(), [u, v], 1);
-                rects.push(([u, v], s.bounds([u, v]), [j[1], j[2]].map(|t| t.norm().hi)));
-            }
-        }
-        rects
-    });
-    let mut pairs = Vec::new();
-    for (p, p_box, p_stretch) in &parts[0] {
-        for (q, q_box, q_stretch) in &parts[1] {
-            // Sides count with what is a rounding error beyond them.
-            let room = MARGIN * smaller + ON_SIDE * tol;
-            if !p_box.inflate(room).touches(*q_box) {
-                continue;
-            }
-            let rect = [p[0], p[1], q[0], q[1]];
-            let stretch = [p_stretch[0], p_stretch[1], q_stretch[0], q_stretch[1]];
-            let outer = from_fn(|j| {
-                let w = rect[j].width();
-                let side = ON_SIDE * tol / stretch[j];
-                let side = if side.is_finite() { side } else { 0.0 };
-                rect[j].inflate(side.clamp(2.0 * MARGIN * w, w / 1024.0))
-            });
-            let diagonal = p_box.diagonal().min(q_box.diagonal());
-            pairs.push(Pair {
-                surfaces: surfaces.map(SurfaceRef::clone),
-                rect,
-                outer,
-                size: if diagonal > 0.0 && diagonal.is_finite() {
-                    diagonal.min(2.0 * smaller)
-                } else {
-                    smaller
-                },
-            });
-        }
-    }
-    pairs
 }
 
 /// True if a box comes near to another one.

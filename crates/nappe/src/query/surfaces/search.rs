@@ -33,7 +33,7 @@ const AFTER_COINCIDING: usize = 2000;
 /// The accuracy to which points of coinciding surfaces agree, relative to the greatest coordinate.
 const SAME: f64 = 1e-12;
 /// A step is worth so many boxes; and so many steps there are at least.
-const STEP: usize = 8;
+pub(super) const STEP: usize = 8;
 const STEPS: usize = 500;
 /// Tangent planes at a smaller angle may be those of coinciding surfaces.
 const PARALLEL: f64 = 1e-4;
@@ -75,6 +75,8 @@ pub(super) struct Found {
     pub(super) touches: Vec<Place>,
     pub(super) open: Vec<Open>,
     pub(super) looked: usize,
+    /// The steps tried.
+    pub(super) steps: usize,
 }
 
 struct Pending {
@@ -91,7 +93,8 @@ pub(super) fn search(stepper: &Stepper, mut budget: usize) -> Found {
     });
     let mut found = Found::default();
     let mut covers: Vec<Box4> = Vec::new();
-    let mut steps = budget / STEP + STEPS;
+    let allowed = budget / STEP + STEPS;
+    let mut steps = allowed;
     let mut heap = BinaryHeap::new();
     let mut number = 0;
     let mut push = |heap: &mut BinaryHeap<_>, parts: &[Parts; 2], nodes: [usize; 2], halved| {
@@ -159,6 +162,7 @@ pub(super) fn search(stepper: &Stepper, mut budget: usize) -> Found {
     found
         .open
         .retain(|open| open.coincides || !is_covered(open.x, &covers));
+    found.steps = allowed - steps;
     found
 }
 

@@ -151,7 +151,7 @@ pub enum FilletError {
     },
     /// A part of a traced fillet.
     #[error(
-        "a range is given, but only fillets between two planes, and between a plane and a cylinder, are made in part"
+        "a range is given, but only fillets between two planes, and between a plane and a whole cylinder, are made in part"
     )]
     RangeOfTraced,
     /// No guide could be put through the path of the ball.

@@ -13,7 +13,7 @@ use crate::interval::Interval;
 use crate::surface::Surface;
 use crate::surface::turned::carried_round;
 use glam::{DVec3, DVec4, Vec4Swizzles};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 type Built = (Fillet, Arc<RollingBall>);
@@ -216,6 +216,25 @@ pub(super) fn between_planes(
         });
     }
     straight(ball, edge + d * start)
+}
+
+/// True if a surface that lies on a cylinder goes all the way round its axis: if not, a ball may come to its end. Told by the
+/// angles of samples along its two lines in the middle.
+pub(super) fn goes_round(surface: &dyn Surface, axis: &Frame) -> bool {
+    const SAMPLES: usize = 64;
+    let domain = surface.domain();
+    let turn = |along: usize| {
+        let angle = |i: usize| {
+            let mut uv = domain.map(Interval::mid);
+            let way = domain[along].width() * i as f64 / SAMPLES as f64;
+            uv[along] = (domain[along].lo + way).min(domain[along].hi);
+            let c = axis.coordinates(surface.point(uv));
+            c.y.atan2(c.x)
+        };
+        let step = |i: usize| (angle(i + 1) - angle(i) + PI).rem_euclid(TAU) - PI;
+        (0..SAMPLES).map(step).sum::<f64>().abs()
+    };
+    turn(0).max(turn(1)) >= TAU * (1.0 - BEYOND)
 }
 
 /// A plane (origin, normal) and a cylinder (axis, radius, whether its normals point outwards), in this order; `swapped` says that the caller gave them the other way round.

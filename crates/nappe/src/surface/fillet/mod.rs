@@ -55,8 +55,8 @@ pub struct FilletOptions {
 /// ball.
 ///
 /// Two planes, and a plane with a circular cylinder pierced by it at any angle or parallel to it, have a formula; they are
-/// recognised by [`Surface::elementary`]. Between planes the contacts must lie on the given parts; a cylinder and the plane
-/// with it count as unbounded.
+/// recognised by [`Surface::elementary`]. Between planes the contacts must lie on the given parts; a cylinder that goes all
+/// the way round and the plane with it count as unbounded. One that does not (another fillet, say) is a surface like others.
 ///
 /// Between any other two surfaces the ball is followed until a contact reaches the end of its surface or the path closes; a
 /// contact may pass seams and breaks where the normal goes on. u is nearly in proportion to the length of the
@@ -68,7 +68,7 @@ pub struct FilletOptions {
 ///
 /// If both surfaces are planes square to one axis, cylinders, cones and tori about it, or spheres with their centres on it
 /// (two spheres always are), a ball of constant radius that was so found and proven goes round a circle, u in proportion to
-/// the angle, and the fillet is that piece of a torus. Between parallel cylinders it is a piece of a cylinder.
+/// the angle, and the fillet is that piece of a torus. Between parallel cylinders, and a plane along a part of one, it is a piece of a cylinder.
 ///
 /// Exactly a NURBS surface for a constant radius between planes, along a cylinder and between parallel ones; for pieces of a
 /// torus [`Surface::to_rational`] gives the same shape. Source: Golovanov, *Geometric modelling*, §3.9 (3.9.3).
@@ -116,7 +116,7 @@ impl Fillet {
                     radius: rho,
                     outward,
                 }),
-            ] => {
+            ] if exact::goes_round(surfaces[1], &axis) => {
                 let pair = ((origin, normal), (axis, rho, outward));
                 exact::at_cylinder(surfaces, pair, false, radius, &options)
             }
@@ -127,7 +127,7 @@ impl Fillet {
                     outward,
                 }),
                 Some(Plane { origin, normal }),
-            ] => {
+            ] if exact::goes_round(surfaces[0], &axis) => {
                 let pair = ((origin, normal), (axis, rho, outward));
                 exact::at_cylinder(surfaces, pair, true, radius, &options)
             }
@@ -190,7 +190,7 @@ impl Fillet {
     }
 
     /// The curve of contacts in the parameter plane of the first or second surface (index 0 or 1), two functions of the
-    /// fillet's u: where that surface is trimmed. `None` between two planes, and between a plane and a cylinder. The curves
+    /// fillet's u: where that surface is trimmed. `None` between two planes, and between a plane and a whole cylinder. The curves
     /// in space are the fillet's sides south and north. Panics for another index.
     pub fn contacts(&self, index: usize) -> Option<FunctionsRef> {
         assert!(index < 2, "there are two supports");
@@ -199,7 +199,7 @@ impl Fillet {
     }
 
     /// The certificate at a parameter: a proven bound of how far the distances of [`Self::ball`]'s centre from both
-    /// contacts, which are enclosed, are from the radius. `None` between two planes, and between a plane and a cylinder.
+    /// contacts, which are enclosed, are from the radius. `None` between two planes, and between a plane and a whole cylinder.
     pub fn contact_error(&self, u: f64) -> Option<f64> {
         let spine = self.spine.as_ref()?;
         Some(spine.contact_error(u, self.ball(u).0 - spine.supports.origin))

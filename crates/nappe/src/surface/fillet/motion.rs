@@ -69,6 +69,18 @@ impl Motion {
         {
             return Some(Motion::Shift(axis.z()));
         }
+        if let [
+            Elementary::Cylinder { axis, .. },
+            Elementary::Plane { normal, .. },
+        ]
+        | [
+            Elementary::Plane { normal, .. },
+            Elementary::Cylinder { axis, .. },
+        ] = forms
+            && axis.z().dot(normal).abs() <= SAME
+        {
+            return Some(Motion::Shift(axis.z()));
+        }
         let along = match (a.along, b.along) {
             (Some(d), Some(e)) => parallel(d, e).then_some(d)?,
             (Some(d), None) | (None, Some(d)) => d,
