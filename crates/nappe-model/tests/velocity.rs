@@ -396,6 +396,13 @@ north = { kind = "bezier", points = [[0, 5, 0], [2, 5, "p"], [5, 5, 1]] }
 west = { kind = "line", from = [0, 0, 0], to = [0, 5, 0] }
 east = { kind = "line", from = ["5*p", 0, 0], to = [5, 5, 1] }"#,
         r#"kind = "coons"
+blend = "quintic"
+second = { south = { kind = "bezier", points = [[0, 0, 0], [0, "p", 40], [0, 0, 0]] } }
+south = { kind = "line", from = [0, 0, 0], to = ["5*p", 0, 0] }
+north = { kind = "line", from = [0, 5, 0], to = [5, 5, 0] }
+west = { kind = "line", from = [0, 0, 0], to = [0, 5, 0] }
+east = { kind = "line", from = ["5*p", 0, 0], to = [5, 5, 0] }"#,
+        r#"kind = "coons"
 blend = "cubic"
 twists = [[[0, 0, "p"], [0, 0, 0]], [[0, 0, 0], ["p^2", 0, 0]]]
 south = { kind = "line", from = [0, 0, 0], to = [5, 0, 0] }

@@ -327,6 +327,21 @@ impl Mover<'_, '_> {
                 }
             }
         }
+        let given = self.builder.second(pair.at).map_err(missing)?;
+        let mut second: [Option<CurveRef>; 4] = Default::default();
+        for ((to, given), side) in second.iter_mut().zip(&given).zip(Side::ALL) {
+            if given.is_none() {
+                continue;
+            }
+            let records = [f, r].map(|f| f.record("second"));
+            let [Some(at), Some(rate)] = records.map(|c: Option<&Fields>| c?.get(side.name()))
+            else {
+                return Err(pair.unknown("its data are missing"));
+            };
+            let (curve, velocity) = self.item(at, rate, &pair.at.label)?;
+            let still = || nappe::velocity::still_curve(curve.breaks());
+            *to = Some(velocity.unwrap_or_else(still));
+        }
         let mut sides: Vec<CurveRef> = Vec::new();
         for side in Side::ALL {
             sides.push(self.velocity_of(pair, side.name())?);
@@ -338,6 +353,7 @@ impl Mover<'_, '_> {
         let options = CoonsOptions {
             blend,
             cross,
+            second,
             estimate,
             twists,
             incompatible_twists: match f.text("incompatible_twists") {

@@ -77,6 +77,7 @@ mod grid;
 mod hermite;
 mod list;
 mod neighbour;
+mod neighbour_second;
 mod normal;
 mod quadric;
 mod quotient;

@@ -1,7 +1,8 @@
 //! The cross-derivative that continues a neighbouring surface over a shared side without a crease.
 
 use super::coons::CoonsError;
-use super::coons_data::functionals;
+use super::coons_data::at_end;
+use super::neighbour_second::SecondOutOfSide;
 use super::sides::{Corner, Side};
 use super::{Dir, SurfaceRef};
 use crate::basis::BSplineBasis;
@@ -168,13 +169,21 @@ impl Curve for OutOfSide {
                     }
                 }
                 // The derivative across has the square of the side's denominator: that of the derivative along.
-                let w = bernstein_elevate(&den, degree);
+                let w = elevated_denominator(&den, degree);
                 points.iter_mut().zip(w).for_each(|(p, w)| p[0].w = w);
                 points
             })
             .collect();
         NurbsCurve::from_spline(join(&breaks, degree, &pieces)).ok()
     }
+}
+
+/// A denominator with a higher degree. What is constant stays so: rounding would make a polynomial rational.
+pub(super) fn elevated_denominator(den: &[f64], degree: usize) -> Vec<f64> {
+    if den.iter().all(|w| *w == den[0]) {
+        return vec![den[0]; degree + 1];
+    }
+    bernstein_elevate(den, degree)
 }
 
 /// The numerator of the derivative of `n/w` over a piece, whose denominator is `w²`; of `n` alone without w.
@@ -190,14 +199,24 @@ fn slope(n: &[f64], w: Option<&[f64]>, piece: Interval) -> Vec<f64> {
     a.iter().zip(&b).map(|(a, b)| a - b).collect()
 }
 
-/// The cross-derivative along a side that continues a neighbour, see [`Cross::Neighbour`].
+/// The derivatives across a side that continue a neighbour.
+pub(super) struct Continuation {
+    /// The cross-derivative.
+    pub first: CurveRef,
+    /// The second derivative across, if asked for.
+    pub second: Option<CurveRef>,
+}
+
+/// The cross-derivative along a side that continues a neighbour, see [`Cross::Neighbour`]; for an order of 2 also the
+/// second one.
 pub(super) fn continuation(
     sides: &[CurveRef; 4],
     side: Side,
     surface: &SurfaceRef,
     neighbour: Side,
     limit: f64,
-) -> Result<CurveRef, CoonsError> {
+    order: usize,
+) -> Result<Continuation, CoonsError> {
     /// Enough to tell curves apart; where they differ by more than the tolerance in between, corners still agree.
     const SAMPLES: usize = 32;
     let own = &sides[side as usize];
@@ -246,9 +265,9 @@ pub(super) fn continuation(
         Dir::V => [Side::South, Side::North],
     };
     let sign = if side.is_upper() { -1.0 } else { 1.0 };
-    let inward = meeting.map(|m| {
-        functionals(sides[m as usize].as_ref())[if side.is_upper() { 2 } else { 1 }] * sign
-    });
+    let own_end = usize::from(side.is_upper());
+    let meeting = meeting.map(|m| at_end(sides[m as usize].as_ref(), own_end, order.max(1)));
+    let inward = [0, 1].map(|k| meeting[k][1] * sign);
     let mut join = OutOfSide::new(surface.clone(), neighbour);
     let ends = if reversed {
         [inward[1], inward[0]]
@@ -272,12 +291,35 @@ pub(super) fn continuation(
     if side.is_upper() {
         join.turn_round();
     }
+    let second: Option<CurveRef> = if order < 2 {
+        None
+    } else {
+        // The derivative along for a parameter that runs over [0, 1] in the direction of this surface's side.
+        let width = along.hi - along.lo;
+        let (mut a, mut b) = (join.a, join.b.map(|b| b / width));
+        if reversed {
+            a.reverse();
+            b = [-b[1], -b[0]];
+        }
+        let ends = [0, 1].map(|k| meeting[k][2]);
+        let other = (surface.clone(), neighbour);
+        let second = SecondOutOfSide::new(other, reversed, own.point(0.0), [a, b], ends);
+        if let Some(at) = second.breaks().tear() {
+            return Err(CoonsError::NeighbourJumps {
+                side,
+                neighbour,
+                at,
+            });
+        }
+        Some(Arc::new(second))
+    };
     let join: CurveRef = Arc::new(join);
-    Ok(if reversed {
+    let first = if reversed {
         Arc::new(Trimmed::reversed(join))
     } else {
         on_unit_domain(join)
-    })
+    };
+    Ok(Continuation { first, second })
 }
 
 #[cfg(test)]
