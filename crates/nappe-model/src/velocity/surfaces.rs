@@ -338,7 +338,8 @@ impl Mover<'_, '_> {
             else {
                 return Err(pair.unknown("its data are missing"));
             };
-            let (curve, velocity) = self.item(at, rate, &pair.at.label)?;
+            let (curve, moved) = self.item(at, rate, &pair.at.label)?;
+            let velocity = moved.map(Moved::fixed).transpose()?;
             let still = || nappe::velocity::still_curve(curve.breaks());
             *to = Some(velocity.unwrap_or_else(still));
         }

@@ -81,8 +81,8 @@ pub struct CoonsOptions {
     /// What to do about incompatible twists.
     pub incompatible_twists: IncompatibleTwists,
     /// How far the data may disagree in the corners, relative to the size of the contour (for derivatives: or to their
-    /// own length, if that is more). The surface misses its boundary by at most that. Values below
-    /// [`Contour::CLOSURE`], the default, count as that.
+    /// own length, if that is more), beyond what the rounding of points far from the origin makes of derivatives. The
+    /// surface misses its boundary by at most that. Values below [`Contour::CLOSURE`], the default, count as that.
     pub tol: f64,
 }
 

@@ -22,6 +22,11 @@ const COUNT: usize = 6;
 /// The value at 1.
 const LAST: usize = COUNT - 1;
 
+/// What the rounding of a place far from the origin may become in derivatives of an order along one direction: two roundings of
+/// differences of the control points of a quintic, `2ᵏ 5!/(5-k)!`, with spans half as long as its neighbour's, `2ᵏ`. The
+/// blending functions take it back: no point of the surface moves by more than some hundred roundings.
+const ROUNDED: [f64; 3] = [2.0, 40.0, 640.0];
+
 /// The order of the derivative.
 fn order(i: usize) -> usize {
     i.min(LAST - i)
@@ -190,7 +195,9 @@ impl Data {
         let mut all = Vec::new();
         for corner in Corner::ALL {
             let [u, v] = corner.ends();
+            let place = self.from_g[u * LAST][v * LAST].map_or(0.0, DVec3::length);
             for (i, j) in corner_pairs(u, v, self.highest) {
+                let rounding = place * f64::EPSILON * ROUNDED[order(i)] * ROUNDED[order(j)];
                 let datum = Datum::of_orders(order(i), order(j));
                 let given = options.twists.filter(|_| datum == Datum::Twist);
                 let candidates = [
@@ -209,7 +216,8 @@ impl Data {
                         } else {
                             a.length().max(b.length())
                         };
-                        let (distance, limit) = (a.distance(b), tol * self.size.max(own));
+                        let (distance, limit) =
+                            (a.distance(b), tol * self.size.max(own) + rounding);
                         if distance > limit {
                             all.push(Disagreement {
                                 corner,
