@@ -119,6 +119,13 @@ const CHAPTERS: &[(&str, &[Picture])] = &[
                  across the shared side.",
             ),
             Picture(
+                "coons-quintic",
+                "coons-quintic.png",
+                "--style zebra",
+                "The same with quintic blending: the surface takes second derivatives too, and the stripes go on without \
+                 a bend.",
+            ),
+            Picture(
                 "diagonal-key",
                 "diagonal-key.png",
                 "--azimuth 75 --isolines 6",

@@ -26,6 +26,7 @@ impl Builder<'_> {
         let boundary = self.boundary(o);
         let blend = self.blend(o);
         let cross = self.cross(o);
+        let second = self.second(o);
         let ([south, north, west, east], blend, (cross, estimate)) = (boundary?, blend?, cross?);
         if !blend.has_tangents() {
             self.positions_only(o)?;
@@ -33,6 +34,7 @@ impl Builder<'_> {
         let mut options = CoonsOptions {
             blend,
             cross,
+            second: second?,
             estimate,
             twists: None,
             incompatible_twists: match f.text("incompatible_twists") {
@@ -122,6 +124,7 @@ impl Builder<'_> {
                 None => self.user_blend(o, &r.clone()),
             },
             Some(_) if f.text("blend") == Some("cubic") => Ok(Blending::cubic()),
+            Some(_) if f.text("blend") == Some("quintic") => Ok(Blending::quintic()),
             Some(_) => Ok(Blending::linear()),
         }
     }
@@ -224,6 +227,28 @@ impl Builder<'_> {
         }
     }
 
+    /// The second cross-derivatives that are given.
+    pub(crate) fn second(&mut self, o: &Object) -> Built<[Option<CurveRef>; 4]> {
+        let mut second: [Option<CurveRef>; 4] = Default::default();
+        let Some(Datum::Record(record)) = o.fields.get("second").map(|i| &i.datum) else {
+            return Ok(second);
+        };
+        let mut stop = None;
+        for (to, side) in second.iter_mut().zip(Side::ALL) {
+            let Some(item) = record.get(side.name()) else {
+                continue;
+            };
+            match self.curve(item, &format!("{}, `second.{side}`", o.label)) {
+                Ok(c) => *to = Some(c),
+                Err(s) => stop = Some(s),
+            }
+        }
+        match stop {
+            Some(s) => Err(s),
+            None => Ok(second),
+        }
+    }
+
     /// A cross-derivative: of a neighbour, or a curve.
     fn cross_of(&mut self, _o: &Object, item: &Item, label: &str) -> Built<Cross> {
         if let Datum::Record(r) = &item.datum {
@@ -252,6 +277,24 @@ impl Builder<'_> {
                     "write blend = \"cubic\", or remove what is given",
                 )
             }
+            CoonsError::SecondNotKept { side } => {
+                let place = match o.fields.record("second") {
+                    Some(r) => r.place(side.name(), &[]),
+                    None => o.fields.place("second", &[]),
+                };
+                self.diags.push(
+                    Diagnostic::new("geometry", format!("{}: {e}", o.label))
+                        .at(place, format!("`second.{side}`"))
+                        .help("write blend = \"quintic\", or remove `second`"),
+                );
+                Stop::Reported
+            }
+            CoonsError::GregoryQuintic => self.refuse(
+                o,
+                ("incompatible_twists", &[]),
+                e,
+                "write incompatible_twists = \"average\", or remove it",
+            ),
             CoonsError::NotFinite { source_name, .. } => {
                 let (key, _) = source_key(*source_name);
                 self.refuse(o, (key, &[]), e, "use a curve with finite derivatives")
@@ -262,6 +305,12 @@ impl Builder<'_> {
             CoonsError::NeighbourApart { side, .. } => {
                 let help = format!(
                     "let `{side}` be the neighbour's side itself, such as {side} = \"other.north\""
+                );
+                self.refuse(o, ("cross", &[]), e, help)
+            }
+            CoonsError::NeighbourJumps { side, .. } => {
+                let help = format!(
+                    "let the boundary follow the neighbour's parameter lines, write `second.{side}`, or write blend = \"cubic\""
                 );
                 self.refuse(o, ("cross", &[]), e, help)
             }
@@ -280,10 +329,14 @@ impl Builder<'_> {
             .disagreements
             .iter()
             .any(|d| d.datum == nappe::surface::Datum::Position);
-        let tangents = report
-            .disagreements
-            .iter()
-            .any(|d| d.datum != nappe::surface::Datum::Twist);
+        let unmixed = |first: bool| {
+            use nappe::surface::Datum::{TangentU, TangentV};
+            report
+                .disagreements
+                .iter()
+                .any(|d| !d.datum.is_mixed() && matches!(d.datum, TangentU | TangentV) == first)
+        };
+        let (tangents, seconds) = (unmixed(true), unmixed(false));
         let help = if !report.reverse.is_empty() {
             reversal(&report.reverse)
         } else if positions {
@@ -292,6 +345,12 @@ impl Builder<'_> {
                 .to_owned()
         } else if tangents {
             "let each cross-derivative begin and end with the tangents of the boundary curves that it meets".to_owned()
+        } else if seconds {
+            "let each second cross-derivative begin and end with the second derivatives of the boundary curves that it \
+             meets"
+                .to_owned()
+        } else if report.quintic {
+            "write incompatible_twists = \"average\", or change a cross-derivative".to_owned()
         } else {
             "write incompatible_twists = \"gregory\" or \"average\", or change a cross-derivative"
                 .to_owned()
@@ -313,6 +372,18 @@ impl Builder<'_> {
                 shown.push(text);
                 let place = match (o.fields.record("cross"), source) {
                     (Some(r), Source::Cross(side)) => r.place(side.name(), &[]),
+                    // What follows from a neighbour is not written.
+                    (cross, Source::Second(side)) => {
+                        match o
+                            .fields
+                            .record("second")
+                            .filter(|r| r.get(side.name()).is_some())
+                            .or(cross)
+                        {
+                            Some(r) => r.place(side.name(), &[]),
+                            None => o.fields.place(key, &[]),
+                        }
+                    }
                     _ => o.fields.place(key, &[]),
                 };
                 d = d.at(place, format!("`{text}`"));
@@ -388,6 +459,10 @@ fn source_key(s: Source) -> (&'static str, &'static str) {
         Source::Cross(Side::North) => ("cross", "cross.north"),
         Source::Cross(Side::West) => ("cross", "cross.west"),
         Source::Cross(Side::East) => ("cross", "cross.east"),
+        Source::Second(Side::South) => ("second", "second.south"),
+        Source::Second(Side::North) => ("second", "second.north"),
+        Source::Second(Side::West) => ("second", "second.west"),
+        Source::Second(Side::East) => ("second", "second.east"),
         Source::Twists => ("twists", "twists"),
     }
 }

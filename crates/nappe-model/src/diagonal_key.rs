@@ -12,6 +12,15 @@ use std::sync::Arc;
 
 impl Builder<'_> {
     pub(crate) fn diagonal_key(&mut self, o: &Object) -> Built<Vec<Patch>> {
+        let (surface, _) = self.diagonal_key_with_options(o)?;
+        Ok(Patch::one(Arc::new(surface)))
+    }
+
+    /// The surface, and what it is made with beside its contour.
+    pub(crate) fn diagonal_key_with_options(
+        &mut self,
+        o: &Object,
+    ) -> Built<(DiagonalKey, DiagonalKeyOptions)> {
         let f = &o.fields;
         let boundary = self.boundary(o);
         let exchange = f.text("generators") == Some("west-east");
@@ -49,7 +58,7 @@ impl Builder<'_> {
             Contour::new(south, north, west, east).map_err(|e| self.contour_error(o, &e))?;
         let surface =
             DiagonalKey::new(contour, &options).map_err(|e| self.diagonal_key_error(o, &e))?;
-        Ok(Patch::one(Arc::new(surface)))
+        Ok((surface, options))
     }
 
     /// The free functions: p and q in the plane, or two vectors in space.

@@ -318,6 +318,17 @@ const SURFACES: &[SurfaceRow] = &[
         &[([0.5, 0.5], [1.5, 1.0, 0.0])],
     ),
     (
+        "coons",
+        "south = 'flat.south'\nnorth = 'flat.north'\nwest = 'flat.west'\neast = 'flat.east'\nblend = 'quintic'\ncross = 'adini'\nsecond = { south = { kind = 'bezier', points = [[0, 0, 0], [0, 0, 1], [0, 0, 0]] } }",
+        // 2u(1-u) · v²(1-v)³/2
+        &[([0.5, 0.5], [1.5, 1.0, 0.0078125])],
+    ),
+    (
+        "coons",
+        "south = 'flat.north'\nnorth = { kind = 'line', from = [0, 4, 0], to = [3, 4, 0] }\nwest = { kind = 'line', from = [0, 2, 0], to = [0, 4, 0] }\neast = { kind = 'line', from = [3, 2, 0], to = [3, 4, 0] }\nblend = 'quintic'\ncross = { south = { from = 'flat.north' }, north = 'adini' }",
+        &[([0.25, 0.75], [0.75, 3.5, 0.0])],
+    ),
+    (
         "hermite",
         "corners = [[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0]]]\ntangents_u = [[[1, 0, 0], [1, 0, 0]], [[1, 0, 0], [1, 0, 0]]]\ntangents_v = [[[0, 1, 0], [0, 1, 0]], [[0, 1, 0], [0, 1, 0]]]\ntwists = [[[0, 0, 16], [0, 0, 0]], [[0, 0, 0], [0, 0, 0]]]",
         // H2(1/2)² · 16 = (1/8)² · 16

@@ -396,6 +396,60 @@ north = { kind = "bezier", points = [[0, 5, 0], [2, 5, "p"], [5, 5, 1]] }
 west = { kind = "line", from = [0, 0, 0], to = [0, 5, 0] }
 east = { kind = "line", from = ["5*p", 0, 0], to = [5, 5, 1] }"#,
         r#"kind = "coons"
+blend = "quintic"
+second = { south = { kind = "bezier", points = [[0, 0, 0], [0, "p", 40], [0, 0, 0]] } }
+south = { kind = "line", from = [0, 0, 0], to = ["5*p", 0, 0] }
+north = { kind = "line", from = [0, 5, 0], to = [5, 5, 0] }
+west = { kind = "line", from = [0, 0, 0], to = [0, 5, 0] }
+east = { kind = "line", from = ["5*p", 0, 0], to = [5, 5, 0] }"#,
+        // The derivatives across south come from a sheet that moves, and from corners whose tangents turn.
+        r#"kind = "coons"
+blend = "cubic"
+cross = { south = { from = "moving.north" } }
+south = "moving.north"
+north = { kind = "bezier", points = [[0, 20, 0], [5, 20, "3*p"], [10, 20, 0]] }
+west = { kind = "bezier", points = [[0, 10, 0], ["0 - p", 14, "0 - 0.8*p - 0.2*p^2"], [0, 20, 0]] }
+east = { kind = "bezier", points = [[10, 10, "p"], ["11.8 - 1.3*p", 14, "1.9*p - 0.1*p^2 - 1.6"], [10, 20, 0]] }"#,
+        r#"kind = "coons"
+blend = "cubic"
+cross = { north = { from = "turned.north" }, east = "adini" }
+north = "moving.north"
+south = { kind = "bezier", points = [[0, 20, 0], [5, 20, "3*p"], [10, 20, 0]] }
+west = { kind = "bezier", points = [[0, 20, 0], ["0 - p", 14, "0 - 0.8*p - 0.2*p^2"], [0, 10, 0]] }
+east = { kind = "bezier", points = [[10, 20, 0], ["11.8 - 1.3*p", 14, "1.9*p - 0.1*p^2 - 1.6"], [10, 10, "p"]] }"#,
+        // Generators in planes that stay, with free functions; in planes that turn; exchanged.
+        r#"kind = "diagonal-key"
+south = { kind = "bezier", points = [[60, 0, 0], [60, 12, "26*p"], [60, 40, 4]] }
+north = { kind = "bezier", points = [[0, 4, 6], [0, 10, "2*p"], [0, "34*p", 22]] }
+west = { kind = "bezier", points = [[60, 0, 0], [40, "4*p", 12], [0, 4, 6]] }
+east = { kind = "bezier", points = [[60, 40, 4], [40, 46, "2*p"], [0, "34*p", 22]] }
+p = "p^2 * v*(1 - v)"
+q = "3*v*(1 - v)""#,
+        r#"kind = "diagonal-key"
+south = { kind = "bezier", points = [[60, 0, 0], ["60 + 26*p", 12, 26], ["60 + 4*p", 40, 4]] }
+north = { kind = "bezier", points = [["6*p", 4, 6], ["2*p", 10, 2], ["22*p", 34, 22]] }
+west = { kind = "bezier", points = [[60, 0, 0], [40, 4, 12], ["6*p", 4, 6]] }
+east = { kind = "bezier", points = [["60 + 4*p", 40, 4], ["40 - 10*p", 46, 2], ["22*p", 34, 22]] }"#,
+        r#"kind = "diagonal-key"
+generators = "west-east"
+west = { kind = "bezier", points = [[60, 0, 0], [60, 12, "26*p"], [60, 40, 4]] }
+east = { kind = "bezier", points = [[0, 4, 6], [0, 10, "2*p"], [0, "34*p", 22]] }
+south = { kind = "bezier", points = [[60, 0, 0], [40, "4*p", 12], [0, 4, 6]] }
+north = { kind = "bezier", points = [[60, 40, 4], [40, 46, "2*p"], [0, "34*p", 22]] }"#,
+        // Stitched along both guides; and a parallelogram whose guides stay translates.
+        r#"kind = "diagonal-key"
+south = { kind = "hermite", from = [0, 0, 0], to = [10, 0, 0], from_tangent = [10, 0, "8*p"], to_tangent = [10, 0, -5] }
+north = { kind = "hermite", from = [0, 12, 0], to = [11, 13, "p"], from_tangent = [12, "p", 4], to_tangent = [9, 3, -7] }
+west = { kind = "bezier", points = [[0, 0, 0], [0, 6, "3*p"], [0, 12, 0]] }
+east = { kind = "bezier", points = [[10, 0, 0], ["10 + p", 7, 2], [11, 13, "p"]] }
+tangent_west = { kind = "bezier", points = [[10, 0, "8*p"], [11, 1, "p"], [12, "p", 4]] }
+tangent_east = { kind = "bezier", points = [[10, 0, -5], [10, "p", -6], [9, 3, -7]] }"#,
+        r#"kind = "diagonal-key"
+south = { kind = "bezier", points = [[0, 0, 0], [5, 0, "p"], [10, 0, 0]] }
+north = { kind = "bezier", points = [[0, 10, 0], [5, 10, "2*p"], [10, 10, 0]] }
+west = { kind = "bezier", points = [[0, 0, 0], ["p", 5, 0], [0, 10, 0]] }
+east = { kind = "bezier", points = [[10, 0, 0], ["10 + p", 5, 0], [10, 10, 0]] }"#,
+        r#"kind = "coons"
 blend = "cubic"
 twists = [[[0, 0, "p"], [0, 0, 0]], [[0, 0, 0], ["p^2", 0, 0]]]
 south = { kind = "line", from = [0, 0, 0], to = [5, 0, 0] }
@@ -403,10 +457,19 @@ north = { kind = "line", from = [0, 5, 0], to = [5, 5, 0] }
 west = { kind = "line", from = [0, 0, 0], to = [0, 5, 0] }
 east = { kind = "line", from = [5, 0, 0], to = [5, 5, 0] }"#,
     ];
+    let moving = r#"
+[surfaces.moving]
+kind = "bezier"
+points = [[[0, 0, 0], [0, 5, "p"], [0, 10, 0]], [[5, 0, 1], [5, 5, 1], ["5*p", 10, "p^2"]], [[10, 0, 0], ["9 + p", 5, 2], [10, 10, "p"]]]
+[surfaces.turned]
+kind = "transform"
+surface = "moving"
+translate = [0, 0, 0]
+"#;
     for text in surfaces {
-        let build = model(1.3, &format!("{base}[surfaces.s]\n{text}\n"));
+        let build = model(1.3, &format!("{base}{moving}[surfaces.s]\n{text}\n"));
         let counts = compare(&build, text, "p");
-        assert_eq!(counts, Some([1, 2, 0]), "{text}");
+        assert_eq!(counts, Some([3, 2, 0]), "{text}");
     }
     for (shape, axes, range) in [
         ("sphere", r#"["p"]"#, ""),
@@ -490,6 +553,45 @@ fn what_is_not_known_is_refused_by_name() {
             other => panic!("{text}: {other:?}"),
         }
     }
+    // Contours beside which the surface is of another kind.
+    let key = |south: &str, east: &str| {
+        format!(
+            "[surfaces.s]\nkind = \"diagonal-key\"\nsouth = {{ kind = \"bezier\", points = {south} }}\nnorth = {{ kind = \"bezier\", points = [[0, 10, 0], [0, 12, 3], [10, 10, 0]] }}\nwest = {{ kind = \"bezier\", points = [[0, 0, 0], [0, 5, 4], [0, 10, 0]] }}\neast = {{ kind = \"bezier\", points = {east} }}\n"
+        )
+    };
+    let translated = "[[10, 0, 0], [10, 5, 4], [10, 10, 0]]";
+    for (text, says) in [
+        (
+            key(
+                "[[0, 0, 0], [5, 0, 2], [10, 0, 0]]",
+                "[[10, 0, 0], [10, \"5 + p - 1.3\", 4], [10, 10, 0]]",
+            ),
+            "surface `s`: its guides do not stay translates",
+        ),
+        (
+            key(
+                "[[0, 0, 0], [5, 0, 2], [\"8.7 + p\", 0, 0]]",
+                &translated.replace("[[10,", "[[\"8.7 + p\","),
+            ),
+            "surface `s`: its guides do not stay translates",
+        ),
+    ] {
+        match &of(&text, 1.3).unwrap().surfaces[0] {
+            Velocity::Unknown(why) => assert!(why.starts_with(says), "{why}"),
+            other => panic!("{text}: {other:?}"),
+        }
+    }
+    let bent = |x: &str| {
+        format!(
+            "[surfaces.s]\nkind = \"diagonal-key\"\nsouth = {{ kind = \"bezier\", points = [[60, 0, 0], [{x}, 12, 26], [60, 40, 4]] }}\nnorth = {{ kind = \"bezier\", points = [[0, 4, 6], [0, 10, 2], [0, 34, 22]] }}\nwest = {{ kind = \"bezier\", points = [[60, 0, 0], [40, 4, 12], [0, 4, 6]] }}\neast = {{ kind = \"bezier\", points = [[60, 40, 4], [40, 46, 2], [0, 34, 22]] }}\n"
+        )
+    };
+    let found = of(&bent("\"58.7 + p\""), 1.3).unwrap();
+    assert!(
+        matches!(&found.surfaces[0], Velocity::Unknown(why) if why.contains("leaves the plane")),
+        "{:?}",
+        found.surfaces[0]
+    );
     // Corners that move in different ways.
     let ruled = r#"
 [surfaces.s]

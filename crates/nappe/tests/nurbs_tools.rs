@@ -355,3 +355,20 @@ fn the_derivative_across_of_order_zero_is_the_curve() {
         }
     }
 }
+
+/// Averages of equal weights are equal: rounding makes no polynomial rational, which would cost degrees later.
+#[test]
+fn tools_keep_polynomials() {
+    let s = surface(false);
+    let [u, v] = s.domain();
+    for k in 0..200 {
+        let x = 0.003 + 0.0019 * f64::from(k);
+        let at = |d: nappe::Interval, x: f64| d.lo + (d.hi - d.lo) * x;
+        let part = s
+            .part([at(u, x), at(u, 0.9 - x)], [at(v, x), at(v, 0.8 - x)])
+            .unwrap();
+        assert!(!part.is_rational(), "{x}");
+        let raised = part.elevated([5, 4]).unwrap();
+        assert!(!raised.is_rational(), "{x}");
+    }
+}

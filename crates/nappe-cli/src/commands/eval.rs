@@ -1,19 +1,21 @@
 //! `nappe eval`.
 
-use crate::eval::{self, Grid, Input, Target};
-use crate::failure::Failure;
+use crate::eval::{self, Asked, Grid, Input, Target};
+use crate::failure::{Failure, Problem};
 use crate::model::{self, ModelArgs};
 use crate::output;
 use crate::screen::Screen;
 use crate::table::{self, OutputFormat};
 use nappe::curve::MAX_ORDER;
+use nappe_model::{Model, Velocity};
 use std::io;
 use std::path::PathBuf;
 
 /// Evaluate a surface or a curve and its derivatives at many parameters
 ///
 /// Reads rows of u,v (t for a curve) and writes u,v,x,y,z for each; with --order 1 also x_u,y_u,z_u,x_v,y_v,z_v, with
-/// --order 2 x_uu,…,x_uv,…,x_vv,…, and so on. Derivatives are exact. Every number has as many digits, 17 at most, as it
+/// --order 2 x_uu,…,x_uv,…,x_vv,…, and so on; with --sensitivity radius also dx_dradius,dy_dradius,dz_dradius. Derivatives
+/// are exact. Every number has as many digits, 17 at most, as it
 /// takes to read back the same number.
 ///
 /// Every row is checked before anything is put out: a bad one (not a number, outside the domain, no finite value there)
@@ -30,6 +32,7 @@ Examples:
   nappe eval bowl.nappe.toml --surface bowl --grid 11x21 --order 1 > points.csv
   echo 0.25,0.5 | nappe eval bowl.nappe.toml --surface bowl
   nappe eval bowl.nappe.toml --curve profile --uv t.csv --format jsonl
+  nappe eval bowl.nappe.toml --surface bowl --grid 5 --sensitivity radius
   nappe eval bowl.nappe.toml --surface bowl --uv uv.parquet -o points.parquet")]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -55,6 +58,11 @@ pub(crate) struct Args {
     #[arg(long, value_name = "K", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=MAX_ORDER as i64))]
     order: u8,
 
+    /// Also how the points move, at fixed u and v or t, with a parameter of the model: columns dx_dNAME, dy_dNAME, dz_dNAME; may
+    /// be given several times
+    #[arg(long, value_name = "PARAMETER")]
+    sensitivity: Vec<String>,
+
     /// The format of the output; default: by the ending of -o, else csv
     #[arg(long)]
     format: Option<OutputFormat>,
@@ -75,8 +83,11 @@ impl Args {
                 Target::Curve(name.to_owned(), model::curve(&model, name)?)
             }
         };
-        let order = usize::from(self.order);
-        let columns = eval::columns(&target, order);
+        let asked = Asked {
+            order: usize::from(self.order),
+            rates: self.rates(&model, &target)?,
+        };
+        let columns = eval::columns(&target, &asked);
         let input = match &self.grid {
             Some(grid) => Input::Grid(*grid),
             None => Input::Table(table::Input::named(
@@ -88,17 +99,17 @@ impl Args {
         let notes = match &self.output {
             None => {
                 // What is written cannot be taken back, so all is looked at before.
-                eval::check(&target, &input, order)?;
+                eval::check(&target, &input, &asked)?;
                 // One lock for the whole table, and large writes.
                 let out = io::BufWriter::with_capacity(output::BUFFER, io::stdout());
                 let mut sink = format.sink(&columns, out)?;
-                let notes = eval::run(&target, &input, order, sink.as_mut())?;
+                let notes = eval::run(&target, &input, &asked, sink.as_mut())?;
                 sink.finish()?;
                 notes
             }
             Some(path) => output::write_with(path, |out| {
                 let mut sink = format.sink(&columns, out)?;
-                let notes = eval::run(&target, &input, order, sink.as_mut())?;
+                let notes = eval::run(&target, &input, &asked, sink.as_mut())?;
                 sink.finish()?;
                 Ok(notes)
             })?,
@@ -107,5 +118,55 @@ impl Args {
             screen.note(note);
         }
         Ok(())
+    }
+    /// How the target moves with each parameter that is asked for.
+    fn rates(
+        &self,
+        model: &Model,
+        target: &Target,
+    ) -> Result<Vec<(String, Option<Target>)>, Failure> {
+        let overrides = self.model.overrides()?;
+        let mut rates = Vec::new();
+        for parameter in &self.sensitivity {
+            let all = nappe_model::velocities(model, &overrides, parameter)
+                .map_err(|d| Failure::Model(Box::new(d)))?;
+            let named = |name: &str| format!("{name} by {parameter}");
+            let rate = match target {
+                Target::Curve(name, _) => {
+                    let known = model.curves.iter().zip(all.curves);
+                    let velocity = known.filter(|(c, _)| c.name == *name).map(|k| k.1).next();
+                    fixed(target, parameter, velocity)?.map(|v| Target::Curve(named(name), v))
+                }
+                Target::Surface(name, _) => {
+                    let known = model.surfaces.iter().zip(all.surfaces);
+                    let velocity = known.filter(|(s, _)| s.name == *name).map(|k| k.1).next();
+                    fixed(target, parameter, velocity)?.map(|v| Target::Surface(named(name), v))
+                }
+            };
+            rates.push((parameter.clone(), rate));
+        }
+        Ok(rates)
+    }
+}
+
+/// The velocity at fixed parameters of the curve or surface; none: it does not move.
+fn fixed<T>(
+    target: &Target,
+    parameter: &str,
+    velocity: Option<Velocity<T>>,
+) -> Result<Option<T>, Problem> {
+    let unknown = |why: &str, help: &str| {
+        let message = format!("how {target} moves with {parameter} is not known: {why}");
+        Problem::new(message).help(help)
+    };
+    match velocity {
+        Some(Velocity::Still) => Ok(None),
+        Some(Velocity::Moves(v)) => Ok(Some(v)),
+        Some(Velocity::Follows(_)) => Err(unknown(
+            "its corners move along its parameter, so that the velocity at fixed parameters jumps there",
+            "write parametrization = \"uniform\" for the curve that has the corners",
+        )),
+        Some(Velocity::Unknown(why)) => Err(unknown(&why, "leave the parameter out")),
+        None => Err(unknown("it is not built", "leave the parameter out")),
     }
 }

@@ -52,6 +52,7 @@ const EXAMPLES: &[Example] = bundled![
     "bottle",
     "coons-blending",
     "coons-neighbour",
+    "coons-quintic",
     "curves-on-surfaces",
     "diagonal-key",
     "diagonal-key-space",

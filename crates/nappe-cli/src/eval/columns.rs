@@ -1,28 +1,22 @@
 //! The names of the columns of a table of points and derivatives.
 
-use super::target::Target;
+use super::target::{Asked, Target};
 use crate::table::Column;
-use nappe::surface::jet_len;
 
-/// The columns of what evaluating a target up to `order` gives.
-pub(crate) fn columns(target: &Target, order: usize) -> Vec<Column> {
-    let values = match target {
-        Target::Curve(..) => order + 1,
-        Target::Surface(..) => jet_len(order),
-    };
-    let names = names(target, 3 * values).into_iter();
+/// The columns of what evaluating a target gives.
+pub(crate) fn columns(target: &Target, asked: &Asked) -> Vec<Column> {
+    let names = names(target, asked).into_iter();
     names.map(Column::numbers).collect()
 }
 
 /// The parameters, then `x,y,z`, then the derivatives by order, each with the name of what it is taken by: `x_u`,
-/// `x_uv`. As many as there are `values` numbers in a row.
-pub(super) fn names(target: &Target, values: usize) -> Vec<String> {
+/// `x_uv`; then those by parameters of the model: `dx_dradius`.
+pub(super) fn names(target: &Target, asked: &Asked) -> Vec<String> {
+    const COORDINATES: [&str; 3] = ["x", "y", "z"];
     let mut names: Vec<String> = target.parameters().iter().map(|&p| p.to_owned()).collect();
-    let all = names.len() + values;
-    let mut order = 0;
-    while names.len() < all {
+    for order in 0..=asked.order {
         for by in derivatives(target, order) {
-            for coordinate in ["x", "y", "z"] {
+            for coordinate in COORDINATES {
                 names.push(if order == 0 {
                     coordinate.to_owned()
                 } else {
@@ -30,7 +24,9 @@ pub(super) fn names(target: &Target, values: usize) -> Vec<String> {
                 });
             }
         }
-        order += 1;
+    }
+    for (parameter, _) in &asked.rates {
+        names.extend(COORDINATES.map(|c| format!("d{c}_d{parameter}")));
     }
     names
 }

@@ -7,7 +7,7 @@ mod target;
 
 pub(crate) use self::columns::columns;
 pub(crate) use self::grid::Grid;
-pub(crate) use self::target::Target;
+pub(crate) use self::target::{Asked, Target};
 
 use crate::failure::{Failure, Problem};
 use crate::table::{self, Block, Cell, Notes, Nowhere, Problems, Sink, Source};
@@ -43,7 +43,7 @@ impl Input {
 pub(crate) fn run(
     target: &Target,
     input: &Input,
-    order: usize,
+    asked: &Asked,
     sink: &mut dyn Sink,
 ) -> Result<Notes, Failure> {
     let mut notes = Notes::new();
@@ -63,8 +63,15 @@ pub(crate) fn run(
             continue;
         }
         values.clear();
-        target.evaluate(&block.numbers, block.grid.as_ref(), order, &mut values);
-        check_finite(target, source.as_ref(), &block, &values, &mut problems);
+        target.evaluate(&block.numbers, block.grid.as_ref(), asked, &mut values);
+        check_finite(
+            target,
+            source.as_ref(),
+            &block,
+            asked,
+            &values,
+            &mut problems,
+        );
         if problems.is_empty() {
             put(sink, target, &block.numbers, &values)?;
         }
@@ -74,8 +81,8 @@ pub(crate) fn run(
 }
 
 /// Does all that [`run`] does but put anything out: what is wrong shows before the first byte is written.
-pub(crate) fn check(target: &Target, input: &Input, order: usize) -> Result<(), Failure> {
-    run(target, input, order, &mut Nowhere).map(drop)
+pub(crate) fn check(target: &Target, input: &Input, asked: &Asked) -> Result<(), Failure> {
+    run(target, input, asked, &mut Nowhere).map(drop)
 }
 
 /// Puts parameters out with what was found there.
@@ -148,6 +155,7 @@ fn check_finite(
     target: &Target,
     source: &dyn Source,
     block: &Block,
+    asked: &Asked,
     values: &[f64],
     problems: &mut Problems,
 ) {
@@ -157,7 +165,7 @@ fn check_finite(
     let names = target.parameters();
     let rows = block.numbers.len() / names.len();
     let width = values.len() / rows;
-    let columns = columns::names(target, width);
+    let columns = columns::names(target, asked);
     for (row, row_values) in values.chunks_exact(width).enumerate() {
         if let Some(bad) = row_values.iter().position(|v| !v.is_finite()) {
             let at: Vec<String> = names

@@ -6,6 +6,15 @@ use nappe::surface::{SurfaceRef, jet_len};
 use nappe::{DVec3, Interval, Limit};
 use std::fmt;
 
+/// What is wanted at each row of parameters.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Asked {
+    /// The point and its derivatives up to this order.
+    pub(crate) order: usize,
+    /// The names of parameters of the model, each with the velocity of the target by it; none: it does not move.
+    pub(crate) rates: Vec<(String, Option<Target>)>,
+}
+
 /// A named curve or surface.
 #[derive(Clone, Debug)]
 pub(crate) enum Target {
@@ -41,9 +50,41 @@ impl Target {
         }
     }
 
-    /// Appends the coordinates of the point and of its derivatives up to `order` for each row of parameters. At a
+    /// Appends the coordinates of the point, of its derivatives, and of its velocities for each row of parameters. At a
     /// break the piece above it decides.
     pub(super) fn evaluate(
+        &self,
+        parameters: &[f64],
+        grid: Option<&[Vec<f64>; 2]>,
+        asked: &Asked,
+        values: &mut Vec<f64>,
+    ) {
+        if asked.rates.is_empty() {
+            return self.jets(parameters, grid, asked.order, values);
+        }
+        let rows = parameters.len() / self.parameters().len();
+        let mut jets = Vec::new();
+        self.jets(parameters, grid, asked.order, &mut jets);
+        let velocity = |(_, of): &(String, Option<Target>)| match of {
+            Some(of) => {
+                let mut points = Vec::with_capacity(3 * rows);
+                of.jets(parameters, grid, 0, &mut points);
+                points
+            }
+            None => vec![0.0; 3 * rows],
+        };
+        let rates: Vec<Vec<f64>> = asked.rates.iter().map(velocity).collect();
+        let width = jets.len() / rows;
+        for (row, jet) in jets.chunks_exact(width).enumerate() {
+            values.extend(jet);
+            rates
+                .iter()
+                .for_each(|rate| values.extend(&rate[3 * row..3 * row + 3]));
+        }
+    }
+
+    /// Appends the coordinates of the point and of its derivatives up to `order` for each row of parameters.
+    fn jets(
         &self,
         parameters: &[f64],
         grid: Option<&[Vec<f64>; 2]>,

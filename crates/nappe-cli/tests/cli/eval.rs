@@ -437,3 +437,63 @@ fn a_reader_that_goes_away_is_no_error() {
         assert!(output.stderr.is_empty(), "{format}: {output:?}");
     }
 }
+
+/// r = (p u cos(p v), …) has closed velocities; so has the curve (p² t, 0, 0).
+#[test]
+fn velocities_are_columns() {
+    let folder = Folder::with_model(
+        r#"
+[params]
+p = 1.5
+q = 2
+corner = 1
+
+[surfaces.sheet]
+kind = "bilinear"
+corners = [[[0, 0, 0], [0, "p*q", 0]], [["p^2", 0, 1], [0, 1, 1]]]
+
+[curves.line]
+kind = "expression"
+x = "sin(p*t)"
+y = "t"
+z = "q*t^2"
+
+[curves.bent]
+kind = "polyline"
+points = [[0, 0, 0], ["corner", 1, 0], [3, 0, 0]]
+"#,
+    );
+    let (p, q) = (1.5, 2.0);
+    let run = folder.nappe(
+        "eval model.nappe.toml --surface sheet --grid 4x3 --order 1 --sensitivity p --sensitivity q --sensitivity corner",
+    );
+    let (header, rows) = table(run.data());
+    assert_eq!(
+        header.join(","),
+        "u,v,x,y,z,x_u,y_u,z_u,x_v,y_v,z_v,dx_dp,dy_dp,dz_dp,dx_dq,dy_dq,dz_dq,dx_dcorner,dy_dcorner,dz_dcorner"
+    );
+    for row in &rows {
+        let (u, v) = (row[0], row[1]);
+        let by_p = [2.0 * p * u * (1.0 - v), q * (1.0 - u) * v, 0.0];
+        let by_q = [0.0, p * (1.0 - u) * v, 0.0];
+        for (&a, b) in row[11..].iter().zip([by_p, by_q, [0.0; 3]].concat()) {
+            assert_close(a, b);
+        }
+        assert_close(row[2], p * p * u * (1.0 - v));
+    }
+    let run = folder.nappe("eval model.nappe.toml --curve line --grid 5 --sensitivity p");
+    let (header, rows) = table(run.data());
+    assert_eq!(header.join(","), "t,x,y,z,dx_dp,dy_dp,dz_dp");
+    for row in &rows {
+        assert_close(row[4], row[0] * (p * row[0]).cos());
+        assert_close(row[5], 0.0);
+    }
+    // With --set the velocity is that of the other value; a name that is none is told, and so is a velocity that jumps.
+    let run = folder.nappe("eval model.nappe.toml --curve line --grid 3 --set p=0 --sensitivity p");
+    let (_, rows) = table(run.data());
+    rows.iter().for_each(|row| assert_close(row[4], row[0]));
+    let run = folder.nappe("eval model.nappe.toml --curve line --grid 2 --sensitivity pp");
+    assert!(run.problem().contains("there is no parameter `pp`"));
+    let run = folder.nappe("eval model.nappe.toml --curve bent --grid 2 --sensitivity corner");
+    assert!(run.problem().contains("jumps"));
+}

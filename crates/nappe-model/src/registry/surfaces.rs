@@ -50,7 +50,7 @@ pub const SURFACES: &[Kind] = &[
             key(
                 "blend",
                 Either(&[
-                    Choice(&["linear", "cubic"]),
+                    Choice(&["linear", "cubic", "quintic"]),
                     Record(&[key(
                         "trigonometric",
                         Angle,
@@ -119,7 +119,38 @@ pub const SURFACES: &[Kind] = &[
                     ]),
                 ]),
                 Optional("ferguson, where the blending uses them"),
-                "the cross-derivatives: curves, those of a neighbour, or estimated from the boundary",
+                "the cross-derivatives: curves, those of a neighbour, or estimated from the boundary; with quintic blending the surface continues a neighbour's curvatures as well",
+            ),
+            key(
+                "second",
+                Record(&[
+                    key(
+                        "south",
+                        Curve,
+                        Optional("from the neighbour, or estimated"),
+                        "∂²r/∂v² on the side v = 0",
+                    ),
+                    key(
+                        "north",
+                        Curve,
+                        Optional("from the neighbour, or estimated"),
+                        "∂²r/∂v² on the side v = 1",
+                    ),
+                    key(
+                        "west",
+                        Curve,
+                        Optional("from the neighbour, or estimated"),
+                        "∂²r/∂u² on the side u = 0",
+                    ),
+                    key(
+                        "east",
+                        Curve,
+                        Optional("from the neighbour, or estimated"),
+                        "∂²r/∂u² on the side u = 1",
+                    ),
+                ]),
+                Optional("from the neighbours, or estimated from the boundary"),
+                "the second derivatives across the sides as curves, for quintic blending only",
             ),
             key(
                 "twists",
@@ -137,7 +168,7 @@ pub const SURFACES: &[Kind] = &[
                 "incompatible_twists",
                 Choice(&["error", "gregory", "average"]),
                 Optional("error"),
-                "what to do where the cross-derivatives give two twists in a corner",
+                "what to do where the cross-derivatives give two twists in a corner, or with quintic blending two derivatives of any mixed order; that has no \"gregory\", and \"average\" changes cross-derivatives there",
             ),
         ],
     },

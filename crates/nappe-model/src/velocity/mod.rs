@@ -5,6 +5,7 @@
 //! of. What is not known is told by name, never approximated.
 
 mod curves;
+mod diagonal_key;
 mod slide;
 mod still;
 mod surfaces;

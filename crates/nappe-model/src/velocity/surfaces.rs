@@ -16,7 +16,7 @@ use nappe::surface::{
     SurfaceRef, bilinear, hermite, rational, ruled,
 };
 use nappe::velocity::{
-    FrameRate, Net, QuadricRate, Sum, Term, TurnRate, quadric, revolution, torus,
+    FrameRate, Net, QuadricRate, Sum, Term, TurnRate, continuation, quadric, revolution, torus,
 };
 use nappe::{DMat3, DVec3};
 use std::sync::Arc;
@@ -87,6 +87,7 @@ impl Mover<'_, '_> {
             }
             "quadric" => one(self.moved_quadric(pair)?),
             "coons" => one(self.moved_coons(pair)?),
+            "diagonal-key" => one(self.moved_diagonal_key(pair)?),
             "transform" => self.moved_images(pair)?,
             "join" => {
                 let items = f.list("surfaces").unwrap_or_default();
@@ -305,31 +306,56 @@ impl Mover<'_, '_> {
         let blend = self.builder.blend(pair.at).map_err(missing)?;
         let (given, estimate) = self.builder.cross(pair.at).map_err(missing)?;
         let mut cross: [Cross; 4] = Default::default();
-        for ((to, given), side) in cross.iter_mut().zip(&given).zip(Side::ALL) {
-            match given {
-                Cross::Estimated => {}
-                Cross::Neighbour { .. } => {
-                    return Err(pair.unknown(
-                        "how the derivatives that it takes from a neighbour change is not known",
-                    ));
-                }
-                Cross::Curve(_) => {
-                    let records = [f, r].map(|f| f.record("cross"));
-                    let [Some(at), Some(rate)] =
-                        records.map(|c: Option<&Fields>| c?.get(side.name()))
-                    else {
-                        return Err(pair.unknown("its data are missing"));
-                    };
-                    let (curve, moved) = self.item(at, rate, &pair.at.label)?;
-                    let velocity = moved.map(Moved::fixed).transpose()?;
-                    let still = || nappe::velocity::still_curve(curve.breaks());
-                    *to = Cross::Curve(velocity.unwrap_or_else(still));
-                }
-            }
-        }
-        let mut sides: Vec<CurveRef> = Vec::new();
+        let (mut own, mut sides): (Vec<CurveRef>, Vec<CurveRef>) = Default::default();
         for side in Side::ALL {
+            own.push(self.key(pair, side.name())?.0);
             sides.push(self.velocity_of(pair, side.name())?);
+        }
+        let [own, rates] = [&own, &sides].map(|s| [0, 1, 2, 3].map(|k: usize| s[k].clone()));
+        for ((to, given), side) in cross.iter_mut().zip(&given).zip(Side::ALL) {
+            let records = [f, r].map(|f| f.record("cross"));
+            let [Some(at), Some(rate)] = records.map(|c: Option<&Fields>| c?.get(side.name()))
+            else {
+                continue;
+            };
+            *to = Cross::Curve(match given {
+                Cross::Estimated => continue,
+                Cross::Curve(_) => self.cross_rate(at, rate, &pair.at.label)?,
+                Cross::Neighbour {
+                    surface,
+                    side: other,
+                } => {
+                    if blend.order() > 1 {
+                        return Err(pair.unknown(
+                            "how the second derivatives that it takes from a neighbour change is not known",
+                        ));
+                    }
+                    let velocity = match self.taken_from(at)? {
+                        Some(moved) => moved.fixed()?,
+                        None => Arc::new(Sum::still([Dir::U, Dir::V].map(|d| surface.breaks(d)))),
+                    };
+                    let both = [surface, &velocity];
+                    continuation([&own, &rates], side, both, *other).ok_or_else(|| {
+                        pair.unknown("its neighbour has no tangent plane in a corner")
+                    })?
+                }
+            });
+        }
+        let given = self.builder.second(pair.at).map_err(missing)?;
+        let mut second: [Option<CurveRef>; 4] = Default::default();
+        for ((to, given), side) in second.iter_mut().zip(&given).zip(Side::ALL) {
+            if given.is_none() {
+                continue;
+            }
+            let records = [f, r].map(|f| f.record("second"));
+            let [Some(at), Some(rate)] = records.map(|c: Option<&Fields>| c?.get(side.name()))
+            else {
+                return Err(pair.unknown("its data are missing"));
+            };
+            let (curve, moved) = self.item(at, rate, &pair.at.label)?;
+            let velocity = moved.map(Moved::fixed).transpose()?;
+            let still = || nappe::velocity::still_curve(curve.breaks());
+            *to = Some(velocity.unwrap_or_else(still));
         }
         let twists = match r.get("twists") {
             Some(_) => Some(square(pair.rate, "twists").map_err(missing)?),
@@ -338,6 +364,7 @@ impl Mover<'_, '_> {
         let options = CoonsOptions {
             blend,
             cross,
+            second,
             estimate,
             twists,
             incompatible_twists: match f.text("incompatible_twists") {
@@ -347,7 +374,7 @@ impl Mover<'_, '_> {
             },
             ..CoonsOptions::default()
         };
-        let [south, north, west, east] = [0, 1, 2, 3].map(|k| sides[k].clone());
+        let [south, north, west, east] = rates;
         let made = Coons::new(south, north, west, east, &options);
         Ok(Arc::new(made.map_err(|e| {
             pair.unknown(format!("the velocities of its boundary: {e}"))

@@ -90,6 +90,25 @@ const ROWS: &[Row] = &[
         &["surface `s`", "twists", "linear"],
         "cubic",
     ),
+    // Second derivatives without quintic blending, against the boundary, and against the estimates.
+    (
+        "[surfaces.s]\nkind = 'coons'\nsouth = { kind = 'line', from = [0,0,0], to = [1,0,0] }\nnorth = { kind = 'line', from = [0,1,0], to = [1,1,0] }\nwest = { kind = 'line', from = [0,0,0], to = [0,1,0] }\neast = { kind = 'line', from = [1,0,0], to = [1,1,0] }\nblend = 'cubic'\nsecond = { west = { kind = 'line', from = [0,0,0], to = [0,0,0] } }",
+        (9, 19),
+        &["surface `s`", "second.west", "no second derivatives"],
+        "blend = \"quintic\"",
+    ),
+    (
+        "[surfaces.s]\nkind = 'coons'\nsouth = { kind = 'line', from = [0,0,0], to = [1,0,0] }\nnorth = { kind = 'line', from = [0,1,0], to = [1,1,0] }\nwest = { kind = 'line', from = [0,0,0], to = [0,1,0] }\neast = { kind = 'line', from = [1,0,0], to = [1,1,0] }\nblend = 'quintic'\nsecond = { west = { kind = 'line', from = [0,0,1], to = [0,0,0] } }",
+        (4, 9),
+        &["surface `s`", "second derivative along u", "second.west"],
+        "second derivatives of the boundary curves",
+    ),
+    (
+        "[surfaces.s]\nkind = 'coons'\nsouth = { kind = 'line', from = [0,0,0], to = [1,0,0] }\nnorth = { kind = 'line', from = [0,1,0], to = [1,1,0] }\nwest = { kind = 'line', from = [0,0,0], to = [0,1,0] }\neast = { kind = 'line', from = [1,0,0], to = [1,1,0] }\nblend = 'quintic'\nincompatible_twists = 'gregory'",
+        (9, 23),
+        &["surface `s`", "quintic", "Gregory"],
+        "average",
+    ),
     // Diagonal-key: a parallelogram of corners whose guides differ.
     (
         "[surfaces.s]\nkind = 'diagonal-key'\nsouth = { kind = 'line', from = [0,0,0], to = [1,0,0] }\nnorth = { kind = 'line', from = [0,1,0], to = [1,1,0] }\nwest = { kind = 'line', from = [0,0,0], to = [0,1,0] }\neast = { kind = 'bezier', points = [[1,0,0], [1,0.5,1], [1,1,0]] }",

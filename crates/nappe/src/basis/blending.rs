@@ -63,7 +63,7 @@ fn list(faults: &[BlendingFault]) -> String {
 
 /// The blending functions of a Coons surface: H1 and H4 for positions at 0 and 1, and, unless only positions are
 /// blended, H2 and H3 for derivatives at 0 and 1. `L_i(H_j) = δ_ij` for `L1 f = f(0), L2 f = f'(0), L3 f = f'(1),
-/// L4 f = f(1)`.
+/// L4 f = f(1)`. Quintic blending has two more, between H2 and H3, for second derivatives at 0 and 1.
 ///
 /// Source: Chashnikov, "A surface of revolution as a Coons surface" (2007), §1.
 #[derive(Clone, Debug)]
@@ -89,6 +89,14 @@ impl Blending {
     pub fn cubic() -> Self {
         Self {
             functions: Arc::new(Hermite::new()),
+            affine: true,
+        }
+    }
+
+    /// The quintic Hermite functions: positions, first and second derivatives.
+    pub fn quintic() -> Self {
+        Self {
+            functions: Arc::new(Hermite::of_orders([2, 2])),
             affine: true,
         }
     }
@@ -123,14 +131,19 @@ impl Blending {
         }
     }
 
-    /// The functions: H1, H4 or H1, H2, H3, H4.
+    /// The functions: H1, H4 or H1, H2, H3, H4 or the six quintic ones.
     pub fn functions(&self) -> &FunctionsRef {
         &self.functions
     }
 
+    /// The highest order of the derivatives that are blended: 0 if only positions are.
+    pub fn order(&self) -> usize {
+        self.functions.count() / 2 - 1
+    }
+
     /// True if derivatives are blended too.
     pub fn has_tangents(&self) -> bool {
-        self.functions.count() == 4
+        self.order() > 0
     }
 
     /// True if `H1 + H4 = 1`: only then does the surface move with its boundary, whatever the origin of space.

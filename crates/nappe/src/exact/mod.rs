@@ -26,7 +26,7 @@ pub use piecewise::PiecewiseRational;
 pub use share::{SharedSide, to_nurbs_together};
 
 pub(crate) use nurbs_curve::{homogeneous, middle};
-pub(crate) use piecewise::{bernstein_elevate, bernstein_product};
+pub(crate) use piecewise::{bernstein_elevate, bernstein_product, bernstein_restrict};
 pub(crate) use spline::{Row, join};
 
 use crate::basis::{BSplineBasis, Functions};

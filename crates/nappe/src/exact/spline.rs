@@ -6,7 +6,7 @@
 use crate::basis::BSplineBasis;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::interval::Interval;
-use glam::DVec4;
+use glam::{DVec4, Vec4Swizzles};
 
 /// Knots nearer than this many units in the last place are one knot to [`compatible`](super::compatible): they come
 /// from different roundings of one value. The curves move by as much as rounding their parameters moves them.
@@ -18,15 +18,22 @@ pub(crate) type Row = Vec<DVec4>;
 /// `a` at `lo` and `b` at `hi`, interpolated linearly at `t`. Both factors are quotients of differences: where `t` is
 /// near an end, `1 - s` would lose the digits of the smaller, which counts if its weight is large.
 fn between(a: &Row, b: &Row, [lo, hi]: [f64; 2], t: f64) -> Row {
-    let (l, r) = ((hi - t) / (hi - lo), (t - lo) / (hi - lo));
-    a.iter().zip(b).map(|(a, b)| *a * l + *b * r).collect()
+    average(a, b, [(hi - t) / (hi - lo), (t - lo) / (hi - lo)])
 }
 
 /// `(1 - s) a + s b`.
 fn mix(a: &Row, b: &Row, s: f64) -> Row {
-    a.iter()
-        .zip(b)
-        .map(|(a, b)| *a * (1.0 - s) + *b * s)
+    average(a, b, [1.0 - s, s])
+}
+
+/// `l a + r b` for `l + r = 1`. Equal weights stay as they are: rounding would make a polynomial rational.
+fn average(a: &Row, b: &Row, [l, r]: [f64; 2]) -> Row {
+    let points = a.iter().zip(b);
+    points
+        .map(|(a, b)| {
+            let w = if a.w == b.w { a.w } else { a.w * l + b.w * r };
+            (a.xyz() * l + b.xyz() * r).extend(w)
+        })
         .collect()
 }
 

@@ -1,4 +1,4 @@
-//! Whether the data of a Coons surface fits together: the report over its 16 corner conditions.
+//! Whether the data of a Coons surface fits together: the report over its corner conditions.
 
 use super::sides::{Corner, Side};
 use crate::significant;
@@ -16,6 +16,35 @@ pub enum Datum {
     TangentV,
     /// `∂²r/∂u∂v`.
     Twist,
+    /// `∂²r/∂u²`.
+    SecondU,
+    /// `∂²r/∂v²`.
+    SecondV,
+    /// `∂³r/∂u²∂v`.
+    TwistU,
+    /// `∂³r/∂u∂v²`.
+    TwistV,
+    /// `∂⁴r/∂u²∂v²`.
+    TwistUV,
+}
+
+impl Datum {
+    /// The derivative of an order up to 2 along u and along v.
+    pub(super) fn of_orders(u: usize, v: usize) -> Self {
+        [
+            [Datum::Position, Datum::TangentV, Datum::SecondV],
+            [Datum::TangentU, Datum::Twist, Datum::TwistV],
+            [Datum::SecondU, Datum::TwistU, Datum::TwistUV],
+        ][u][v]
+    }
+
+    /// True for mixed derivatives, which two cross-derivatives give.
+    pub fn is_mixed(self) -> bool {
+        matches!(
+            self,
+            Datum::Twist | Datum::TwistU | Datum::TwistV | Datum::TwistUV
+        )
+    }
 }
 
 impl fmt::Display for Datum {
@@ -25,6 +54,11 @@ impl fmt::Display for Datum {
             Datum::TangentU => "tangent along u",
             Datum::TangentV => "tangent along v",
             Datum::Twist => "twist",
+            Datum::SecondU => "second derivative along u",
+            Datum::SecondV => "second derivative along v",
+            Datum::TwistU => "derivative ∂³r/∂u²∂v",
+            Datum::TwistV => "derivative ∂³r/∂u∂v²",
+            Datum::TwistUV => "derivative ∂⁴r/∂u²∂v²",
         })
     }
 }
@@ -36,6 +70,8 @@ pub enum Source {
     Side(Side),
     /// The cross-derivative along a side.
     Cross(Side),
+    /// The second derivative across a side: given, or that of the neighbour.
+    Second(Side),
     /// The table of twists.
     Twists,
 }
@@ -45,6 +81,7 @@ impl fmt::Display for Source {
         match self {
             Source::Side(s) => write!(f, "{s}"),
             Source::Cross(s) => write!(f, "cross.{s}"),
+            Source::Second(s) => write!(f, "second.{s}"),
             Source::Twists => f.write_str("twists"),
         }
     }
@@ -82,7 +119,7 @@ impl fmt::Display for Disagreement {
     }
 }
 
-/// The report: every one of the 16 conditions `L_j(f_i) = L_i(g_j)` that is missed, and what would help.
+/// The report: every one of the 16 conditions `L_j(f_i) = L_i(g_j)` (36 with second derivatives) that is missed, and what would help.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Compatibility {
     /// The conditions missed, corner by corner.
@@ -91,6 +128,8 @@ pub struct Compatibility {
     pub reverse: Vec<Side>,
     /// The greatest gap left when they are reversed, a length.
     pub remaining: f64,
+    /// True for quintic blending, which has no Gregory twists.
+    pub quintic: bool,
 }
 
 impl Compatibility {
@@ -120,10 +159,20 @@ impl fmt::Display for Compatibility {
             }
         } else if self.has(|d| d == Datum::Position) {
             write!(f, "; move the ends of the boundary curves together")?;
-        } else if self.has(|d| d != Datum::Twist) {
+        } else if self.has(|d| matches!(d, Datum::TangentU | Datum::TangentV)) {
             write!(
                 f,
                 "; a cross-derivative must begin and end with the tangents of the boundary curves it meets"
+            )?;
+        } else if self.has(|d| matches!(d, Datum::SecondU | Datum::SecondV)) {
+            write!(
+                f,
+                "; a second cross-derivative must begin and end with the second derivatives of the boundary curves it meets"
+            )?;
+        } else if self.quintic {
+            write!(
+                f,
+                "; change a cross-derivative, or let the mean of both be taken: \"average\""
             )?;
         } else if self.has(|d| d == Datum::Twist) {
             write!(

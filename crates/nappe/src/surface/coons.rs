@@ -22,7 +22,8 @@ pub enum Cross {
     /// Given as a vector-valued curve along the side, in the direction of the side.
     Curve(CurveRef),
     /// Continues another surface over one of its sides, which must run along this one (in either direction, with the
-    /// same parametrisation up to a linear map), so that the two join with G1 continuity. The derivative lies in the
+    /// same parametrisation up to a linear map), so that the two join with G1 continuity, and with G2 continuity if the
+    /// blending is quintic (see [`CoonsOptions::second`]). The derivative lies in the
     /// tangent planes of the other surface and ends in the tangents of the boundary curves that meet the side; if
     /// these continue the other surface's sides with equal derivatives, so does the whole surface (C1).
     Neighbour {
@@ -50,10 +51,13 @@ pub enum IncompatibleTwists {
     #[default]
     Error,
     /// Gregory's rational blend `(û A + v̂ B)/(û + v̂)` of the twists A (west or east) and B (south or north), with û, v̂
-    /// the distances from the corner: all cross-derivatives are kept, and second derivatives jump in the corner.
+    /// the distances from the corner: all cross-derivatives are kept, and second derivatives jump in the corner. Not for
+    /// quintic blending.
     Gregory,
     /// The given twist if there is one, else the mean of both: twists are continuous, and the cross-derivatives of the
-    /// surface differ from the given ones by at most the change of the twist times `max |H2|`.
+    /// surface differ from the given ones by at most the change of the twist times `max |H2|`. With quintic blending all
+    /// mixed derivatives are averaged, and first and second cross-derivatives change likewise: a surface that continues
+    /// its neighbours meets them with the continuity of their positions alone near such a corner.
     Average,
 }
 
@@ -64,6 +68,12 @@ pub struct CoonsOptions {
     pub blend: Blending,
     /// The cross-derivatives in the order south, north, west, east. Default: estimated.
     pub cross: [Cross; 4],
+    /// The second derivatives across in the same order, `∂²r/∂v²` or `∂²r/∂u²` as curves along the sides; for quintic
+    /// blending only. Where none is given, it follows from the neighbour if the cross-derivative does: with the
+    /// cross-derivative `a n + b s'` it is `a² n₂ + 2ab n' + b² s'' + c n + d s'`, where n₂ is the neighbour's second
+    /// derivative across, and c and d, linear along the side, end in the second derivatives of the boundary curves that
+    /// meet it: curvatures agree (G2). Else it is estimated, as a cross-derivative is.
+    pub second: [Option<CurveRef>; 4],
     /// Where unknown twists come from.
     pub estimate: Estimate,
     /// The corner twists `[u][v]`, if given.
@@ -71,8 +81,8 @@ pub struct CoonsOptions {
     /// What to do about incompatible twists.
     pub incompatible_twists: IncompatibleTwists,
     /// How far the data may disagree in the corners, relative to the size of the contour (for derivatives: or to their
-    /// own length, if that is more). The surface misses its boundary by at most that. Values below
-    /// [`Contour::CLOSURE`], the default, count as that.
+    /// own length, if that is more), beyond what the rounding of points far from the origin makes of derivatives. The
+    /// surface misses its boundary by at most that. Values below [`Contour::CLOSURE`], the default, count as that.
     pub tol: f64,
 }
 
@@ -81,6 +91,7 @@ impl Default for CoonsOptions {
         Self {
             blend: Blending::linear(),
             cross: Default::default(),
+            second: Default::default(),
             estimate: Estimate::default(),
             twists: None,
             incompatible_twists: IncompatibleTwists::default(),
@@ -97,12 +108,25 @@ pub enum CoonsError {
     Contour(ContourError),
     /// Derivatives are given that the blending cannot keep.
     #[error(
-        "{source_name} is given, but linear blending keeps positions only: use cubic, trigonometric or four blending functions"
+        "{source_name} is given, but linear blending keeps positions only: use cubic, quintic, trigonometric or four blending functions"
     )]
     PositionsOnly {
         /// What is given.
         source_name: Source,
     },
+    /// A second derivative is given that the blending cannot keep.
+    #[error(
+        "second.{side} is given, but this blending keeps no second derivatives: use quintic blending"
+    )]
+    SecondNotKept {
+        /// The side.
+        side: Side,
+    },
+    /// Gregory twists are asked for with quintic blending.
+    #[error(
+        "quintic blending has no Gregory twists, which would make its second derivatives jump: take the mean of incompatible twists, or change the cross-derivatives"
+    )]
+    GregoryQuintic,
     /// A curve has a value that is NaN or infinite.
     #[error("derivative {order} of {source_name} is not finite at {at}: {value}")]
     NotFinite {
@@ -144,6 +168,18 @@ pub enum CoonsError {
         /// The greatest distance allowed.
         limit: f64,
     },
+    /// The second derivatives of the neighbouring surface jump along the side.
+    #[error(
+        "{side} is to continue the curvatures of the {neighbour} side of another surface, but at t = {at} its derivatives jump, and the boundary leaves that side in another direction than its parameter lines: leave it along these, or give second.{side}"
+    )]
+    NeighbourJumps {
+        /// The side of this surface.
+        side: Side,
+        /// The side of the other.
+        neighbour: Side,
+        /// The parameter along this surface's side.
+        at: f64,
+    },
     /// The boundary leaves the common side towards the inside of the neighbouring surface.
     #[error(
         "{side} is to continue the {neighbour} side of another surface, but in the {corner} corner the boundary turns back over that surface: no G1 join is possible there"
@@ -163,10 +199,11 @@ pub enum CoonsError {
 /// `r(u, v) = Σ_i H_i(u) f_i(v) + Σ_j H_j(v) g_j(u) - Σ_ij H_i(u) H_j(v) L_i(g_j)`, with blending functions
 /// `L_i(H_j) = δ_ij`, positions and cross-derivatives `f_i` on u = 0, 0, 1, 1 and `g_j` on v = 0, 0, 1, 1. It takes all
 /// boundary functions that are given, if they are compatible: `L_j(f_i) = L_i(g_j)`. Linear blending has only the four
-/// position functions.
+/// position functions; quintic blending adds the second derivatives across, and has six functions for each direction.
 ///
 /// A cross-derivative that is not given is `Σ_j H_j L_j` of its corner data: the surface then depends on the boundary
-/// curves and the corner twists alone.
+/// curves and the corner twists alone. A second cross-derivative is estimated in the same way, from the second derivatives
+/// of the boundary curves and mixed derivatives that are known or estimated like twists.
 ///
 /// Exactly a NURBS surface if all curves are and the blending functions are polynomials (and no Gregory twist occurs).
 ///
@@ -201,7 +238,7 @@ impl Coons {
 
     /// The surface of eight boundary functions: `f` are the position, `∂r/∂u`, `∂r/∂u` and position on u = 0, 0, 1, 1
     /// as curves of v; `g` are the position, `∂r/∂v`, `∂r/∂v` and position on v = 0, 0, 1, 1 as curves of u.
-    /// The blending must have four functions; all else as in [`Coons::new`].
+    /// The blending must have four functions or six; all else as in [`Coons::new`].
     pub fn from_boundary_functions(
         f: [CurveRef; 4],
         g: [CurveRef; 4],

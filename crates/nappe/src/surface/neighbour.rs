@@ -1,7 +1,8 @@
 //! The cross-derivative that continues a neighbouring surface over a shared side without a crease.
 
 use super::coons::CoonsError;
-use super::coons_data::functionals;
+use super::coons_data::at_end;
+use super::neighbour_second::SecondOutOfSide;
 use super::sides::{Corner, Side};
 use super::{Dir, SurfaceRef};
 use crate::basis::BSplineBasis;
@@ -11,6 +12,7 @@ use crate::curve::{CrossDerivative, Curve, CurveRef, Isocurve, Trimmed, on_unit_
 use crate::exact::{NurbsCurve, Row, bernstein_elevate, bernstein_product, join};
 use crate::interval::Interval;
 use crate::scalar::Scalar;
+use crate::velocity::{Factor, Sum, Term, as_curve, extended};
 use glam::{DVec3, DVec4};
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -168,13 +170,21 @@ impl Curve for OutOfSide {
                     }
                 }
                 // The derivative across has the square of the side's denominator: that of the derivative along.
-                let w = bernstein_elevate(&den, degree);
+                let w = elevated_denominator(&den, degree);
                 points.iter_mut().zip(w).for_each(|(p, w)| p[0].w = w);
                 points
             })
             .collect();
         NurbsCurve::from_spline(join(&breaks, degree, &pieces)).ok()
     }
+}
+
+/// A denominator with a higher degree. What is constant stays so: rounding would make a polynomial rational.
+pub(super) fn elevated_denominator(den: &[f64], degree: usize) -> Vec<f64> {
+    if den.iter().all(|w| *w == den[0]) {
+        return vec![den[0]; degree + 1];
+    }
+    bernstein_elevate(den, degree)
 }
 
 /// The numerator of the derivative of `n/w` over a piece, whose denominator is `w²`; of `n` alone without w.
@@ -190,17 +200,28 @@ fn slope(n: &[f64], w: Option<&[f64]>, piece: Interval) -> Vec<f64> {
     a.iter().zip(&b).map(|(a, b)| a - b).collect()
 }
 
-/// The cross-derivative along a side that continues a neighbour, see [`Cross::Neighbour`].
-pub(super) fn continuation(
-    sides: &[CurveRef; 4],
-    side: Side,
-    surface: &SurfaceRef,
-    neighbour: Side,
-    limit: f64,
-) -> Result<CurveRef, CoonsError> {
+/// The derivatives across a side that continue a neighbour.
+pub(super) struct Continuation {
+    /// The cross-derivative.
+    pub first: CurveRef,
+    /// The second derivative across, if asked for.
+    pub second: Option<CurveRef>,
+}
+
+/// The derivatives up to an order of the two boundary curves that meet a side, where they meet it.
+fn meeting(sides: &[CurveRef; 4], side: Side, order: usize) -> [Vec<DVec3>; 2] {
+    let meeting = match side.along() {
+        Dir::U => [Side::West, Side::East],
+        Dir::V => [Side::South, Side::North],
+    };
+    let end = usize::from(side.is_upper());
+    meeting.map(|m| at_end(sides[m as usize].as_ref(), end, order))
+}
+
+/// Whether a curve runs along a side of a surface backwards, and the parameter of the greatest distance found, with that.
+fn orientation(own: &CurveRef, surface: &SurfaceRef, neighbour: Side) -> (bool, f64, f64) {
     /// Enough to tell curves apart; where they differ by more than the tolerance in between, corners still agree.
     const SAMPLES: usize = 32;
-    let own = &sides[side as usize];
     let domains = surface.domain();
     let (along, across) = match neighbour.along() {
         Dir::U => (domains[0], domains[1]),
@@ -231,6 +252,21 @@ pub(super) fn continuation(
     let (forwards, backwards) = (farthest(false), farthest(true));
     let reversed = backwards.1 < forwards.1;
     let (at, distance) = if reversed { backwards } else { forwards };
+    (reversed, at, distance)
+}
+
+/// The cross-derivative along a side that continues a neighbour, see [`Cross::Neighbour`]; for an order of 2 also the
+/// second one.
+pub(super) fn continuation(
+    sides: &[CurveRef; 4],
+    side: Side,
+    surface: &SurfaceRef,
+    neighbour: Side,
+    limit: f64,
+    order: usize,
+) -> Result<Continuation, CoonsError> {
+    let own = &sides[side as usize];
+    let (reversed, at, distance) = orientation(own, surface, neighbour);
     if distance.is_nan() || distance > limit {
         return Err(CoonsError::NeighbourApart {
             side,
@@ -241,14 +277,9 @@ pub(super) fn continuation(
         });
     }
     // Derivatives into this surface: those of the boundary curves that meet the side, turned round at an upper side.
-    let meeting = match side.along() {
-        Dir::U => [Side::West, Side::East],
-        Dir::V => [Side::South, Side::North],
-    };
     let sign = if side.is_upper() { -1.0 } else { 1.0 };
-    let inward = meeting.map(|m| {
-        functionals(sides[m as usize].as_ref())[if side.is_upper() { 2 } else { 1 }] * sign
-    });
+    let meeting = meeting(sides, side, order.max(1));
+    let inward = [0, 1].map(|k| meeting[k][1] * sign);
     let mut join = OutOfSide::new(surface.clone(), neighbour);
     let ends = if reversed {
         [inward[1], inward[0]]
@@ -272,11 +303,103 @@ pub(super) fn continuation(
     if side.is_upper() {
         join.turn_round();
     }
+    let second: Option<CurveRef> = if order < 2 {
+        None
+    } else {
+        // The derivative along for a parameter that runs over [0, 1] in the direction of this surface's side.
+        let along = surface.breaks(neighbour.along()).domain();
+        let width = along.hi - along.lo;
+        let (mut a, mut b) = (join.a, join.b.map(|b| b / width));
+        if reversed {
+            a.reverse();
+            b = [-b[1], -b[0]];
+        }
+        let ends = [0, 1].map(|k| meeting[k][2]);
+        let other = (surface.clone(), neighbour);
+        let second = SecondOutOfSide::new(other, reversed, own.point(0.0), [a, b], ends);
+        if let Some(at) = second.breaks().tear() {
+            return Err(CoonsError::NeighbourJumps {
+                side,
+                neighbour,
+                at,
+            });
+        }
+        Some(Arc::new(second))
+    };
     let join: CurveRef = Arc::new(join);
-    Ok(if reversed {
+    let first = if reversed {
         Arc::new(Trimmed::reversed(join))
     } else {
         on_unit_domain(join)
+    };
+    Ok(Continuation { first, second })
+}
+
+/// The velocity of the cross-derivative of [`continuation`], from those of the sides and of the neighbour; `None` where a
+/// corner of the neighbour has no tangent plane.
+///
+/// With `(a, b)` from `G (a, b) = (e·n, e·l)` at both ends, G the products of n and l, it is `a' n + a n' + b' l + b l'`.
+pub(crate) fn continuation_rate(
+    [sides, rates]: [&[CurveRef; 4]; 2],
+    side: Side,
+    [surface, velocity]: [&SurfaceRef; 2],
+    neighbour: Side,
+) -> Option<CurveRef> {
+    let (reversed, ..) = orientation(&sides[side as usize], surface, neighbour);
+    let sign = if side.is_upper() { -1.0 } else { 1.0 };
+    let inward = |sides: &[CurveRef; 4]| {
+        let mut ends = meeting(sides, side, 1).map(|d| d[1] * sign);
+        if reversed {
+            ends.reverse();
+        }
+        ends
+    };
+    let (ends, end_rates) = (inward(sides), inward(rates));
+    let mut join = OutOfSide::new(surface.clone(), neighbour);
+    join.fit(ends);
+    let moved = OutOfSide::new(velocity.clone(), neighbour);
+    let domain = join.domain();
+    let mut factors = [[0.0; 2]; 2];
+    let at = [(domain.lo, Limit::Above), (domain.hi, Limit::Below)];
+    for (k, (t, limit)) in at.into_iter().enumerate() {
+        let ((n, l), (dn, dl)) = (join.frame(t, limit), moved.frame(t, limit));
+        let (nn, nl, ll) = (n.dot(n), n.dot(l), l.dot(l));
+        let determinant = nn * ll - nl * nl;
+        if determinant.is_nan() || determinant <= 1e-20 * nn * ll {
+            return None;
+        }
+        let (a, b) = (join.a[k] / join.scales[0], join.b[k] / join.scales[1]);
+        let (e, de) = (ends[k], end_rates[k]);
+        let mixed = dn.dot(l) + n.dot(dl);
+        let p = de.dot(n) + e.dot(dn) - (2.0 * n.dot(dn) * a + mixed * b);
+        let q = de.dot(l) + e.dot(dl) - (mixed * a + 2.0 * l.dot(dl) * b);
+        factors[0][k] = (p * ll - q * nl) / determinant * join.scales[0];
+        factors[1][k] = (q * nn - p * nl) / determinant * join.scales[1];
+    }
+    let linear = |f: [f64; 2]| {
+        let [p, q] = f.map(|x| x * sign);
+        let slope = (q - p) / (domain.hi - domain.lo);
+        Factor::Linear {
+            constant: p - slope * domain.lo,
+            along: [slope, 0.0],
+        }
+    };
+    let across = |of: &OutOfSide| extended(Arc::new(of.across.clone()));
+    let along = |of: &OutOfSide| Term::slide(extended(Arc::new(of.line.clone())), Dir::U, 0.0, 0.0);
+    let sum = Sum::new(
+        DVec3::ZERO,
+        vec![
+            Term::new(across(&join)).times(linear(factors[0])),
+            Term::new(across(&moved)).times(linear(join.a)),
+            along(&join).times(linear(factors[1])),
+            along(&moved).times(linear(join.b)),
+        ],
+    );
+    let rate = as_curve(sum);
+    Some(if reversed {
+        Arc::new(Trimmed::reversed(rate))
+    } else {
+        on_unit_domain(rate)
     })
 }
 

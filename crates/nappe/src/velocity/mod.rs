@@ -9,6 +9,8 @@
 //! here. What is left is a [`Sum`]: a kind that is moved as a whole and stretched, that slides along its parameters, or
 //! whose weights change moves by linear images of itself and its derivatives, times numbers that vary over it.
 
+mod continuation;
+mod diagonal_key;
 mod extended;
 mod interpolation;
 mod net;
@@ -17,6 +19,8 @@ mod rigid;
 mod round;
 mod sum;
 
+pub use continuation::continuation;
+pub use diagonal_key::{DiagonalKeyRate, diagonal_key};
 pub use extended::Extended;
 pub use interpolation::interpolation;
 pub use net::Net;

@@ -6,6 +6,7 @@ mod compatibility;
 mod interpolation;
 mod joins;
 mod laws_hold;
+mod quintic;
 
 use nappe::basis::{Blending, ExpressionFunctions};
 use nappe::curve::{Curve, CurveRef};

@@ -17,6 +17,7 @@ mod turning;
 
 pub use error::DiagonalKeyError;
 use operator::Operator;
+pub(crate) use plane::dyad;
 use plane::{PLANE, Plane};
 use turning::Turning;
 
@@ -178,12 +179,12 @@ impl DiagonalKey {
 }
 
 /// The coordinates of a curve relative to its start.
-fn relative(curve: &CurveRef) -> FunctionsRef {
+pub(crate) fn relative(curve: &CurveRef) -> FunctionsRef {
     Arc::new(Coordinates::new(curve.clone(), curve.point(0.0)))
 }
 
 /// Samples of three functions over every analytic piece.
-fn samples(f: &dyn Functions) -> Vec<(f64, DVec3)> {
+pub(crate) fn samples(f: &dyn Functions) -> Vec<(f64, DVec3)> {
     /// Enough to notice what a curve of moderate degree does between.
     const SAMPLES: usize = 32;
     let breaks = f.breaks();

@@ -78,7 +78,7 @@ impl Plane {
 }
 
 /// `a bᵀ`.
-pub(super) fn dyad(a: DVec3, b: DVec3) -> DMat3 {
+pub(crate) fn dyad(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
