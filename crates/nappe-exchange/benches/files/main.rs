@@ -138,7 +138,7 @@ fn measured(dir: &Path) -> Vec<Row> {
         tolerance: 1e-6,
     };
     let write = best(RUNS, FACES, || {
-        drop(step::write(&path, &document, &options).unwrap())
+        step::write(&path, &document, &options).unwrap();
     });
     let bytes = fs::read(&path).unwrap();
     let plain = dir.join("plain");
