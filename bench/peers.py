@@ -178,6 +178,62 @@ def occt_mesh(surface):
         emit(f"OCCT, {n} triangles, not proven", "T6", n, seconds, "BRepMesh_IncrementalMesh", kind)
 
 
+def files_occt(path):
+    """STEP out and in: the surface of the inputs at 1000 places, as in `crates/nappe-exchange/benches/files`."""
+    from OCP.BRep import BRep_Builder
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
+    from OCP.Geom import Geom_BSplineSurface
+    from OCP.gp import gp_Pnt
+    from OCP.STEPControl import STEPControl_AsIs, STEPControl_Reader, STEPControl_Writer
+    from OCP.TopoDS import TopoDS_Compound
+    try:  # version 8 and later
+        from OCP.collections import Array1_double, Array1_int, Array2_gp_Pnt
+    except ImportError:
+        from OCP.TColgp import TColgp_Array2OfPnt as Array2_gp_Pnt
+        from OCP.TColStd import TColStd_Array1OfInteger as Array1_int, TColStd_Array1OfReal as Array1_double
+
+    s = load("bicubic")
+
+    def knots(all_knots):
+        distinct = sorted(set(all_knots))
+        values, counts = Array1_double(1, len(distinct)), Array1_int(1, len(distinct))
+        for i, k in enumerate(distinct):
+            values.SetValue(i + 1, k)
+            counts.SetValue(i + 1, all_knots.count(k))
+        return values, counts
+
+    (ku, mu), (kv, mv) = knots(s["knots_u"]), knots(s["knots_v"])
+    all_faces, builder = TopoDS_Compound(), BRep_Builder()
+    builder.MakeCompound(all_faces)
+    for n in range(1000):
+        poles = Array2_gp_Pnt(1, 20, 1, 20)
+        for i, row in enumerate(s["points"]):
+            for j, p in enumerate(row):
+                poles.SetValue(i + 1, j + 1, gp_Pnt(p[0] + 20.0 * n, p[1], p[2]))
+        builder.Add(all_faces, BRepBuilderAPI_MakeFace(Geom_BSplineSurface(poles, ku, kv, mu, mv, 3, 3), 1e-7).Face())
+
+    def write():
+        writer = STEPControl_Writer()
+        writer.Transfer(all_faces, STEPControl_AsIs)
+        writer.Write(path)
+
+    def read():
+        reader = STEPControl_Reader()
+        reader.ReadFile(path)
+        reader.TransferRoots()
+
+    # Once each: seconds, not milliseconds. Both talk on the standard output.
+    emit("OCCT", "T9 out", 1000, best(write, 1), "STEPControl_Writer")
+    emit("OCCT", "T9 in", 1000, best(read, 1), "STEPControl_Reader")
+
+
+if sys.argv[1:2] == ["files"]:
+    try:
+        files_occt(sys.argv[2])
+    except ImportError as e:
+        print(f"OCCT (cadquery-ocp): skipped, {e}", file=sys.stderr)
+    sys.exit()
+
 for name, run in (("scipy", run_scipy), ("splipy", run_splipy), ("geomdl", run_geomdl), ("OCCT (cadquery-ocp)", run_occt)):
     try:
         run()

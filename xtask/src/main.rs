@@ -108,7 +108,16 @@ fn ci() -> Outcome {
 }
 
 fn bench(rest: &[String]) -> Outcome {
-    run(cargo(&["bench", "--package", "nappe", "--bench", "surfaces", "--"]).args(rest))
+    run(cargo(&["bench", "--package", "nappe", "--bench", "surfaces", "--"]).args(rest))?;
+    run(cargo(&[
+        "bench",
+        "--package",
+        "nappe-exchange",
+        "--bench",
+        "files",
+        "--",
+    ])
+    .args(rest))
 }
 
 /// The test that checks the page writes it when told to.

@@ -86,7 +86,7 @@ mod clusters;
 mod frame;
 mod interval;
 mod linear;
-mod parallel;
+pub mod parallel;
 mod ranked;
 mod significant;
 mod simd;

@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 /// As many threads as the machine runs at once.
-pub(crate) fn all_threads() -> usize {
+pub fn all_threads() -> usize {
     thread::available_parallelism().map_or(1, NonZero::get)
 }
 
@@ -16,7 +16,7 @@ pub(crate) fn all_threads() -> usize {
 ///
 /// After a result that is `enough` no further work is begun: the results are then those of the first numbers, up to this
 /// one or some more.
-pub(crate) fn each<R: Send>(
+pub fn each<R: Send>(
     threads: usize,
     count: usize,
     work: impl Fn(usize) -> R + Sync,

@@ -252,6 +252,28 @@ pub(super) fn normal_image(a: &DMat3, n: DVec3) -> DVec3 {
     y.cross(z) * n.x + z.cross(x) * n.y + x.cross(y) * n.z
 }
 
+/// Points of a net this far off a plane through three of them, relative to its width, are in no plane.
+const BENT: f64 = 1e-6;
+
+/// Whether a few looks show that points lie in no plane: the three first that are apart span one, and another is off it.
+fn is_bent(points: &[DVec3]) -> bool {
+    let (first, last) = (points[0], points[points.len() - 1]);
+    let along = last - first;
+    let size = along.length();
+    let mut normal = None;
+    points.iter().any(|p| {
+        let d = *p - first;
+        match normal {
+            None => {
+                let n = along.cross(d);
+                normal = (n.length() > 0.01 * size * size).then(|| n.normalize());
+                false
+            }
+            Some(n) => n.dot(d).abs() > BENT * (size + d.length()) + 1e-12 * p.length(),
+        }
+    })
+}
+
 /// The plane of a flat NURBS surface.
 pub(super) fn plane_of(surface: &NurbsSurface) -> Option<Elementary> {
     let points = surface.control_points();
@@ -259,6 +281,9 @@ pub(super) fn plane_of(surface: &NurbsSurface) -> Option<Elementary> {
         return None;
     }
     let origin = points[0];
+    if is_bent(&points) {
+        return None;
+    }
     let far = |from: DVec3| {
         points
             .iter()

@@ -170,8 +170,18 @@ fn is_ring(c: &CurveRef, tol: f64) -> bool {
     first.distance(last) <= near(c, tol)
 }
 
+/// A distance of two points of a curve, which is at least so large: found far sooner than its extent.
+pub(super) fn reaches(c: &CurveRef) -> f64 {
+    let [first, last] = c.ends();
+    let middle = c.point(c.domain().mid());
+    first.distance(last).max(first.distance(middle))
+}
+
 /// Points of a curve nearer than this are one: a tolerance, but for curves that are not much larger than it.
 fn near(c: &CurveRef, tol: f64) -> f64 {
+    if NEAR * reaches(c) >= tol {
+        return tol;
+    }
     tol.min(NEAR * c.bounds(c.domain()).diagonal())
 }
 

@@ -10,6 +10,7 @@ use glam::DVec3;
 use nappe::CurveRef;
 use nappe::body::{Body, Coedge, Edge, Face, Loop, Shell, Vertex};
 use nappe::curve::Line;
+use std::cell::OnceCell;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -297,13 +298,13 @@ impl<'s, 'a> Builder<'s, 'a> {
             .map_err(|e| record.refused(e))?;
         let own = curve.ends();
         let mut apart = (0..2).map(|i| own[i].distance(ends[i])).fold(0.0, f64::max);
-        let size = curve.bounds(curve.domain()).diagonal();
-        if closed && size <= tol {
+        // Its extent takes longer to find than all else, and is seldom needed.
+        let size = OnceCell::new();
+        let size = || *size.get_or_init(|| curve.bounds(curve.domain()).diagonal());
+        if closed && curves::reaches(&curve) <= tol && size() <= tol {
             return Ok(None);
         }
-        let mut allowed = tol
-            .max(ASTRAY * size)
-            .max((UNCERTAINTIES * tol).min(LOST * size));
+        let mut allowed = tol;
         if let curves::Course::Line { point, vector } = course {
             // The curve is drawn from vertex to vertex; what the file states may pass them.
             let along = vector.normalize();
@@ -312,6 +313,12 @@ impl<'s, 'a> Builder<'s, 'a> {
                 apart = apart.max(from.cross(along).length());
                 allowed = allowed.max(DIGITS * from.length());
             }
+        }
+        if apart > allowed {
+            let size = size();
+            allowed = allowed
+                .max(ASTRAY * size)
+                .max((UNCERTAINTIES * tol).min(LOST * size));
         }
         if apart > allowed || apart.is_nan() {
             return Err(record.refused(format!(

@@ -1,11 +1,12 @@
 //! A file with its entities, found by number and by kind.
 
 use super::super::StepError;
-use super::scan::{Entry, Kind, Scan, line, scan};
+use super::scan::{Entry, Kind, Lines, Scan, line, scan};
 use super::text;
 use super::value::{Cursor, Value};
 use glam::DVec3;
-use std::cell::{Cell, OnceCell};
+use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::{Arc, OnceLock};
 
 /// Why one entity cannot be read.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,46 +40,88 @@ const FEW_READS: u64 = 4_000_000;
 /// So many bytes of one entity count as another read.
 const LONG: usize = 64;
 
-/// A file in memory.
+/// What is known of a file.
+#[derive(Debug)]
+struct Index {
+    scan: Scan,
+    places: Places,
+    extent: OnceLock<f64>,
+    lines: OnceLock<Lines>,
+}
+
+/// A file in memory, and how much of it was read.
 #[derive(Debug)]
 pub(super) struct File<'b> {
     bytes: &'b [u8],
-    scan: Scan,
-    places: Places,
-    reads: Cell<u64>,
-    extent: OnceCell<f64>,
+    index: Arc<Index>,
+    /// Only one thread counts: others have views of their own.
+    reads: AtomicU64,
+    most: u64,
 }
 
 impl<'b> File<'b> {
-    /// Finds the entities of a file. Errors: as [`scan`].
-    pub(super) fn new(bytes: &'b [u8]) -> Result<Self, StepError> {
-        let mut scan = scan(bytes)?;
+    /// Finds the entities of a file on some threads. Errors: as [`scan`].
+    pub(super) fn new(bytes: &'b [u8], threads: usize) -> Result<Self, StepError> {
+        let mut scan = scan(bytes, threads)?;
         let places = places(bytes, &scan.entries)?;
         scan.entries.shrink_to_fit();
         Ok(Self {
             bytes,
-            scan,
-            places,
-            reads: Cell::new(0),
-            extent: OnceCell::new(),
+            index: Arc::new(Index {
+                scan,
+                places,
+                extent: OnceLock::new(),
+                lines: OnceLock::new(),
+            }),
+            reads: AtomicU64::new(0),
+            most: FEW_READS + READS * bytes.len() as u64,
         })
+    }
+
+    /// The same file for another thread, with as many reads as now. All but one in `share` of the reads that are left are held
+    /// back.
+    pub(super) fn view(&self, share: u64) -> Self {
+        let reads = self.reads();
+        let left = self.most.saturating_sub(reads);
+        Self {
+            bytes: self.bytes,
+            index: self.index.clone(),
+            reads: AtomicU64::new(reads),
+            most: reads + left / share,
+        }
+    }
+
+    /// Reads until now.
+    pub(super) fn reads(&self) -> u64 {
+        self.reads.load(Relaxed)
+    }
+
+    /// Whether more was read than may be.
+    pub(super) fn is_spent(&self) -> bool {
+        self.reads() > self.most
+    }
+
+    /// Counts reads of others.
+    pub(super) fn add_reads(&self, reads: u64) {
+        self.reads
+            .store(self.reads().saturating_add(reads), Relaxed);
     }
 
     /// How many entities there are.
     pub(super) fn count(&self) -> usize {
-        self.scan.entries.len()
+        self.index.scan.entries.len()
     }
 
     /// All keywords with how often they occur.
     pub(super) fn kinds(&self) -> &[Kind] {
-        &self.scan.kinds
+        &self.index.scan.kinds
     }
 
     /// The numbers of all entities of a kind, in the order of the file.
     pub(super) fn all<'a>(&'a self, kind: &str) -> impl Iterator<Item = u64> + 'a {
-        let number = self.scan.kinds.iter().position(|k| k.name == kind);
+        let number = self.index.scan.kinds.iter().position(|k| k.name == kind);
         let entries: &[Entry] = if number.is_some() {
-            &self.scan.entries
+            &self.index.scan.entries
         } else {
             &[]
         };
@@ -87,8 +130,8 @@ impl<'b> File<'b> {
     }
 
     fn entry(&self, id: u64) -> Option<Entry> {
-        let entries = &self.scan.entries;
-        match &self.places {
+        let entries = &self.index.scan.entries;
+        match &self.index.places {
             Places::Table(table) => {
                 let i = *table.get(usize::try_from(id).ok()?)?;
                 Some(entries[(i as usize).checked_sub(1)?])
@@ -103,7 +146,7 @@ impl<'b> File<'b> {
     /// The keyword of an entity (with a parenthesis before it for a complex one); empty if there is none.
     pub(super) fn kind(&self, id: u64) -> &str {
         self.entry(id)
-            .map_or("", |e| &self.scan.kinds[e.kind as usize].name)
+            .map_or("", |e| &self.index.scan.kinds[e.kind as usize].name)
     }
 
     /// A refusal of an entity.
@@ -118,17 +161,16 @@ impl<'b> File<'b> {
 
     /// Counts what is made of the file's text, in bytes, as reads.
     pub(super) fn charge(&self, bytes: usize) {
-        let reads = self.reads.get().saturating_add((bytes / LONG) as u64);
-        self.reads.set(reads);
+        self.add_reads((bytes / LONG) as u64);
     }
 
     /// Refuses an entity of a file that asks for far more than it holds: a few lines can place parts in parts any number of
     /// times.
     pub(super) fn bounded(&self, id: u64) -> Got<()> {
-        let most = FEW_READS + READS * self.bytes.len() as u64;
-        if self.reads.get() <= most {
+        if !self.is_spent() {
             return Ok(());
         }
+        let most = self.most;
         let why = format!(
             "the file places its parts so often that they take more than {most} reads of its entities"
         );
@@ -137,7 +179,7 @@ impl<'b> File<'b> {
 
     /// The diagonal of all points' box, in the numbers of the file.
     pub(super) fn extent(&self) -> f64 {
-        *self.extent.get_or_init(|| {
+        *self.index.extent.get_or_init(|| {
             let points = self
                 .all("CARTESIAN_POINT")
                 .filter_map(|id| self.triple(id, "CARTESIAN_POINT").ok());
@@ -150,7 +192,7 @@ impl<'b> File<'b> {
     }
 
     fn begin(&self, id: u64) -> Got<Entry> {
-        self.reads.set(self.reads.get().saturating_add(1));
+        self.add_reads(1);
         self.bounded(id)?;
         self.entry(id)
             .ok_or_else(|| self.refused(id, "the file refers to it, but does not have it"))
@@ -158,9 +200,10 @@ impl<'b> File<'b> {
 
     /// Where an entity is, for a message.
     fn placed(&self, entry: Entry, why: &str) -> Refused {
+        let lines = self.index.lines.get_or_init(|| Lines::new(self.bytes));
         self.refused(
             entry.id,
-            format!("line {}: {why}", line(self.bytes, entry.at)),
+            format!("line {}: {why}", lines.line(self.bytes, entry.at)),
         )
     }
 
@@ -189,7 +232,7 @@ impl<'b> File<'b> {
     /// The numbers of a `CARTESIAN_POINT` or `DIRECTION`, as many as there are up to three; the rest are 0.
     pub(super) fn triple(&self, id: u64, kind: &str) -> Got<[f64; 3]> {
         let entry = self.begin(id)?;
-        if self.scan.kinds[entry.kind as usize].name != kind {
+        if self.index.scan.kinds[entry.kind as usize].name != kind {
             return Err(self.refused(id, format!("it is not a {kind}")));
         }
         let mut cursor = Cursor::new(self.bytes, entry.at);
@@ -217,7 +260,7 @@ impl<'b> File<'b> {
 
     /// The first text of an entity of the header: the file's name of `FILE_NAME`.
     pub(super) fn header(&self, keyword: &str) -> Option<String> {
-        self.scan.header.iter().find_map(|&at| {
+        self.index.scan.header.iter().find_map(|&at| {
             let mut cursor = Cursor::new(self.bytes, at);
             let name = cursor.keyword().ok()?;
             if !name.eq_ignore_ascii_case(keyword.as_bytes()) {

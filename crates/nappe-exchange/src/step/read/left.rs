@@ -16,20 +16,33 @@ pub(super) struct Left {
 
 impl Left {
     pub(super) fn add(&mut self, refused: &Refused) {
-        let mut key = (refused.what.clone(), refused.why.clone());
+        self.count(LeftOut {
+            what: refused.what.clone(),
+            why: refused.why.clone(),
+            count: 1,
+            first: format!("#{}", refused.id),
+        });
+    }
+
+    /// Adds all of another list.
+    pub(super) fn append(&mut self, other: Left) {
+        other.list.into_iter().for_each(|l| self.count(l));
+    }
+
+    fn count(&mut self, left: LeftOut) {
+        let mut key = (left.what.clone(), left.why.clone());
         if self.list.len() >= REASONS && !self.places.contains_key(&key) {
             key = ("more".into(), "of many kinds and for many reasons".into());
         }
         if let Some(i) = self.places.get(&key) {
-            self.list[*i].count += 1;
+            self.list[*i].count += left.count;
             return;
         }
         self.places.insert(key.clone(), self.list.len());
         self.list.push(LeftOut {
             what: key.0,
             why: key.1,
-            count: 1,
-            first: format!("#{}", refused.id),
+            ..left
         });
     }
 

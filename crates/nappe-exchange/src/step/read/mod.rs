@@ -1,5 +1,6 @@
 //! STEP files in.
 
+mod bodies;
 mod cover;
 mod curves;
 mod faces;
@@ -18,12 +19,12 @@ mod value;
 pub(crate) use curves::Course;
 
 use super::StepError;
-use crate::{Colour, Document, FaceStyle, Item, ItemForm};
-use faces::Builder;
+use crate::{Colour, Document, Item, ItemForm};
+use bodies::{Job, Next, Source, WAITING};
 use file::{File, Got, Refused};
 use left::Left;
 use nappe::Units;
-use nappe::body::Body;
+use nappe::parallel;
 use place::Space;
 use products::{Placed, Tree};
 use std::collections::{HashMap, HashSet};
@@ -63,7 +64,12 @@ const MOST: usize = 10_000_000;
 /// # Errors
 /// [`StepError`]: no STEP file, one that is cut off, or two entities of one number.
 pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
-    let file = File::new(bytes)?;
+    read_on(bytes, parallel::all_threads())
+}
+
+/// The same on so many threads, on which the result does not depend.
+fn read_on(bytes: &[u8], threads: usize) -> Result<StepFile, StepError> {
+    let file = File::new(bytes, threads)?;
     let mut left = Left::default();
     let mut tree = Tree::new(&file, Units::default(), &mut left);
     let units = units(&file, &mut tree);
@@ -81,10 +87,13 @@ pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
         },
         read: HashSet::new(),
         items: 0,
+        threads,
+        waiting: Vec::new(),
     };
     for p in &placed {
         reader.representation(p, None, 0);
     }
+    reader.make();
     reader.unshown();
     for fault in reader.tree.faults() {
         reader.left.add(&fault);
@@ -134,9 +143,38 @@ struct Reader<'a> {
     read: HashSet<u64>,
     /// How many items were looked at.
     items: usize,
+    threads: usize,
+    /// What the document is to have next.
+    waiting: Vec<Next<'a>>,
 }
 
 impl<'a> Reader<'a> {
+    /// Takes what the document has next.
+    fn push(&mut self, next: Next<'a>) {
+        self.waiting.push(next);
+        if self.waiting.len() >= WAITING {
+            self.make();
+        }
+    }
+
+    fn leave(&mut self, refused: Refused) {
+        self.push(Next::Left(refused));
+    }
+
+    /// Makes all that waits.
+    fn make(&mut self) {
+        let waiting = std::mem::take(&mut self.waiting);
+        let items = &mut self.document.items;
+        bodies::make(
+            self.file,
+            &self.colours,
+            self.threads,
+            waiting,
+            items,
+            &mut self.left,
+        );
+    }
+
     /// All items of a placed representation.
     fn representation(&mut self, placed: &Placed, colour: Option<Colour>, depth: usize) {
         let space = self.tree.space_of(placed);
@@ -146,7 +184,7 @@ impl<'a> Reader<'a> {
             .and_then(|r| r.args().references(1));
         let items = match items {
             Ok(items) => items,
-            Err(r) => return self.left.add(&r),
+            Err(r) => return self.leave(r),
         };
         let colour = self.colours.get(&placed.id).copied().or(colour);
         for id in items {
@@ -158,7 +196,7 @@ impl<'a> Reader<'a> {
             }
             self.read.insert(id);
             if let Err(r) = self.item(&space, placed, id, colour, depth) {
-                self.left.add(&r);
+                self.leave(r);
             }
         }
     }
@@ -197,24 +235,26 @@ impl<'a> Reader<'a> {
                 if record.kind() == "BREP_WITH_VOIDS" {
                     shells.extend(args.references(2)?);
                 }
-                self.body(space, placed, id, &shells, true, colour)
+                let solid = true;
+                let source = Source::Shells { shells, solid };
+                self.later(space, placed, id, source, colour);
+                Ok(())
             }
             "SHELL_BASED_SURFACE_MODEL" | "FACE_BASED_SURFACE_MODEL" => {
                 let shells = self.file.record(id)?.args().references(1)?;
-                self.body(space, placed, id, &shells, false, colour)
+                let solid = false;
+                let source = Source::Shells { shells, solid };
+                self.later(space, placed, id, source, colour);
+                Ok(())
             }
             "CLOSED_SHELL" | "OPEN_SHELL" | "CONNECTED_FACE_SET" => {
-                self.body(space, placed, id, &[id], false, colour)
+                let (shells, solid) = (vec![id], false);
+                let source = Source::Shells { shells, solid };
+                self.later(space, placed, id, source, colour);
+                Ok(())
             }
             "ADVANCED_FACE" | "FACE_SURFACE" => {
-                let mut builder = Builder::new(space);
-                let face = builder.face(id)?;
-                let shell = nappe::body::Shell {
-                    faces: vec![face],
-                    closed: false,
-                };
-                builder.body.shells.push(shell);
-                self.add_body(space, placed, id, builder, colour);
+                self.later(space, placed, id, Source::Face, colour);
                 Ok(())
             }
             "GEOMETRIC_CURVE_SET" | "GEOMETRIC_SET" => self.set(space, placed, id, colour),
@@ -257,7 +297,7 @@ impl<'a> Reader<'a> {
             if self.file.kind(id) == "CARTESIAN_POINT" {
                 match space.point(id) {
                     Ok(p) => points.push(p),
-                    Err(r) => self.left.add(&r),
+                    Err(r) => self.leave(r),
                 }
                 continue;
             }
@@ -265,7 +305,7 @@ impl<'a> Reader<'a> {
                 .and_then(|c| c.whole().map_err(|e| self.file.refused(id, e)));
             match read {
                 Ok(curve) => self.add(space, placed, id, own, ItemForm::Curve(curve)),
-                Err(r) => self.left.add(&r),
+                Err(r) => self.leave(r),
             }
         }
         if !points.is_empty() {
@@ -274,71 +314,23 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn body(
+    /// A body, which is made later.
+    fn later(
         &mut self,
         space: &Space<'a>,
         placed: &Placed,
         id: u64,
-        shells: &[u64],
-        solid: bool,
-        colour: Option<Colour>,
-    ) -> Got<()> {
-        let mut builder = Builder::new(space);
-        let mut last: Option<Refused> = None;
-        let mut void = false;
-        for shell in shells {
-            match builder.shell(*shell, solid, &mut self.left) {
-                Ok(()) if solid && void => builder.turn_inside_out(),
-                Ok(()) => {}
-                Err(r) => {
-                    self.left.add(&r);
-                    last = Some(r);
-                }
-            }
-            void = true;
-        }
-        if builder.body.faces.is_empty() {
-            let why = last.map_or("it has no faces".into(), |r| r.why);
-            return Err(self.file.refused(id, why));
-        }
-        let of_shell = shells.iter().find_map(|s| self.colours.get(s).copied());
-        let colour = self.colours.get(&id).copied().or(of_shell).or(colour);
-        self.add_body(space, placed, id, builder, colour);
-        Ok(())
-    }
-
-    fn add_body(
-        &mut self,
-        space: &Space<'a>,
-        placed: &Placed,
-        id: u64,
-        builder: Builder<'_, 'a>,
+        source: Source,
         colour: Option<Colour>,
     ) {
-        let style = |face: &u64| FaceStyle {
-            name: self.name(*face),
-            colour: self
-                .colours
-                .get(face)
-                .copied()
-                .filter(|c| Some(*c) != colour),
-        };
-        let mut faces: Vec<FaceStyle> = builder.numbers.iter().map(style).collect();
-        if faces.iter().all(|f| *f == FaceStyle::default()) {
-            faces.clear();
-        }
-        let body: Body = builder.body;
-        self.add(space, placed, id, colour, ItemForm::Body { body, faces });
-    }
-
-    /// The name that an entity has; many systems write that it has none.
-    fn name(&self, id: u64) -> String {
-        let name = self.file.record(id).map_or(String::new(), |r| {
-            // Of a complex entity the name is in a part of its own.
-            r.part("REPRESENTATION_ITEM")
-                .map_or_else(|| r.args().text(0), |args| args.text(0))
-        });
-        if name == "NONE" { String::new() } else { name }
+        self.count_uncertainty(space, placed);
+        self.push(Next::Job(Box::new(Job {
+            space: space.clone(),
+            path: placed.path.clone(),
+            id,
+            source,
+            colour,
+        })));
     }
 
     fn add(
@@ -349,17 +341,16 @@ impl<'a> Reader<'a> {
         colour: Option<Colour>,
         form: ItemForm,
     ) {
-        let mut path = placed.path.clone();
-        let own = self.name(id);
-        if !own.is_empty() && path.last() != Some(&own) {
-            path.push(own);
-        }
+        self.count_uncertainty(space, placed);
+        let name = bodies::named(self.file, placed.path.clone(), id);
+        self.push(Next::Item(Item { name, colour, form }));
+    }
+
+    /// Takes the uncertainty of what is placed into that of the document, if it is stated.
+    fn count_uncertainty(&mut self, space: &Space<'a>, placed: &Placed) {
         let uncertainty = &mut self.document.uncertainty;
         if self.tree.context(placed.id).uncertainty.is_some() {
             *uncertainty = Some(uncertainty.unwrap_or(0.0).max(space.uncertainty));
         }
-        let name = path.join("/");
-        self.file.charge(name.len());
-        self.document.items.push(Item { name, colour, form });
     }
 }

@@ -4,6 +4,7 @@
 //! bytes an entity.
 
 use super::super::StepError;
+use nappe::parallel;
 use std::collections::HashMap;
 
 /// Where an entity is.
@@ -48,6 +49,34 @@ pub(super) fn line(bytes: &[u8], at: usize) -> usize {
         .iter()
         .filter(|b| **b == b'\n')
         .count()
+}
+
+/// Lines of a file at every so many bytes, so that those of many places are found soon.
+#[derive(Debug)]
+pub(super) struct Lines(Vec<usize>);
+
+/// Bytes between two places where [`Lines`] are counted.
+const COUNTED: usize = 1 << 15;
+
+impl Lines {
+    pub(super) fn new(bytes: &[u8]) -> Self {
+        let mut lines = 0;
+        let counted = bytes.chunks(COUNTED).map(|part| {
+            let before = lines;
+            lines += line(part, part.len()) - 1;
+            before
+        });
+        Lines(counted.collect())
+    }
+
+    /// The line of a place, from 1.
+    pub(super) fn line(&self, bytes: &[u8], at: usize) -> usize {
+        let part = at / COUNTED;
+        self.0.get(part).map_or_else(
+            || line(bytes, at),
+            |before| before + line(&bytes[part * COUNTED..], at - part * COUNTED),
+        )
+    }
 }
 
 /// The beginning of what stands at a place, for a message.
@@ -187,8 +216,95 @@ enum Section {
     Other,
 }
 
-/// Finds all entities. Errors: no STEP file, a text, comment or entity without an end, a number twice.
-pub(super) fn scan(bytes: &[u8]) -> Result<Scan, StepError> {
+/// Keywords with their indices.
+type Numbers = HashMap<Vec<u8>, u32>;
+
+/// The entities of a part of the file, if an entity begins where it does.
+struct Found {
+    start: usize,
+    /// Behind the last of them.
+    end: usize,
+    found: Scan,
+}
+
+/// Files are divided in parts of so many bytes, each of which may be read by another thread.
+const PART: usize = 1 << 20;
+
+/// The entities of parts of a file that begin at lines with a `#` after lines that end with a semicolon. Where such a line is
+/// no entity but inside a text or a comment, what is found there is of no use, but does no harm: nobody gets there.
+fn parts(bytes: &[u8], threads: usize) -> Vec<Found> {
+    let count = if threads > 1 { bytes.len() / PART } else { 0 };
+    let begin = |i: usize| {
+        let rest = &bytes[i * PART..];
+        let rest = &rest[..rest.len().min(PART)];
+        rest.windows(3)
+            .position(|w| w == b";\n#")
+            .map(|n| i * PART + n + 2)
+    };
+    let work = |i: usize| -> Option<Found> {
+        let start = begin(i)?;
+        let most = (i + 1..=count).find_map(begin).unwrap_or(bytes.len());
+        let (mut walk, mut found) = (Walk { bytes, at: start }, Scan::default());
+        let mut numbers = Numbers::new();
+        let mut end = start;
+        while walk.at < most && bytes.get(walk.at) == Some(&b'#') {
+            if entity(&mut walk, &mut found, &mut numbers).is_err() || walk.blanks().is_err() {
+                return None;
+            }
+            end = walk.at;
+        }
+        Some(Found { start, end, found })
+    };
+    let found = parallel::each(threads, count, |i| work(i + 1), |_| false);
+    found.into_iter().flatten().collect()
+}
+
+impl Scan {
+    /// Adds the entities that follow.
+    fn append(&mut self, next: Scan, numbers: &mut Numbers) -> Result<(), StepError> {
+        if self.entries.len() + next.entries.len() > MOST {
+            return Err(StepError::TooMany { most: MOST });
+        }
+        let kinds = next.kinds.into_iter().map(|k| {
+            let number = numbered(&mut self.kinds, numbers, k.name.as_bytes());
+            self.kinds[number as usize].count += k.count;
+            number
+        });
+        let kinds: Vec<u32> = kinds.collect();
+        let own = |e: Entry| Entry {
+            kind: kinds[e.kind as usize],
+            ..e
+        };
+        self.entries.extend(next.entries.into_iter().map(own));
+        Ok(())
+    }
+}
+
+/// Reads over an entity.
+fn entity(walk: &mut Walk<'_>, found: &mut Scan, numbers: &mut Numbers) -> Result<(), StepError> {
+    let start = walk.at;
+    walk.at += 1;
+    let id = walk.number()?;
+    walk.blanks()?;
+    if walk.bytes.get(walk.at) != Some(&b'=') {
+        return Err(walk.wrong("`=` after the number of an entity"));
+    }
+    walk.at += 1;
+    walk.blanks()?;
+    let at = walk.at;
+    let kind = kind(walk, &mut found.kinds, numbers, &found.entries)?;
+    walk.statement(start)?;
+    if found.entries.len() == MOST {
+        return Err(StepError::TooMany { most: MOST });
+    }
+    found.kinds[kind as usize].count += 1;
+    found.entries.push(Entry { id, at, kind });
+    Ok(())
+}
+
+/// Finds all entities, on so many threads, of which the result does not depend. Errors: no STEP file, a text, comment or
+/// entity without an end.
+pub(super) fn scan(bytes: &[u8], threads: usize) -> Result<Scan, StepError> {
     let mut walk = Walk { bytes, at: 0 };
     if bytes.starts_with(b"\xef\xbb\xbf") {
         walk.at = 3;
@@ -201,30 +317,22 @@ pub(super) fn scan(bytes: &[u8]) -> Result<Scan, StepError> {
         });
     }
     let mut found = Scan::default();
-    let mut numbers = HashMap::new();
+    let mut numbers = Numbers::new();
+    let mut parts = parts(bytes, threads).into_iter().peekable();
     let (mut section, mut data) = (Section::None, false);
     let mut begun = walk.at;
     loop {
         walk.blanks()?;
         let start = walk.at;
         if section == Section::Data && bytes.get(start) == Some(&b'#') {
-            walk.at += 1;
-            let id = walk.number()?;
-            walk.blanks()?;
-            if bytes.get(walk.at) != Some(&b'=') {
-                return Err(walk.wrong("`=` after the number of an entity"));
+            // What another thread found begins where an entity does, or else counts for nothing.
+            while parts.next_if(|p| p.start < start).is_some() {}
+            if let Some(part) = parts.next_if(|p| p.start == start) {
+                walk.at = part.end;
+                found.append(part.found, &mut numbers)?;
+                continue;
             }
-            walk.at += 1;
-            walk.blanks()?;
-            let at = walk.at;
-            let kind = kind(&mut walk, &mut found.kinds, &mut numbers, &found.entries)?;
-            walk.at = at;
-            walk.statement(start)?;
-            if found.entries.len() == MOST {
-                return Err(StepError::TooMany { most: MOST });
-            }
-            found.kinds[kind as usize].count += 1;
-            found.entries.push(Entry { id, at, kind });
+            entity(&mut walk, &mut found, &mut numbers)?;
             continue;
         }
         let what = match section {
@@ -261,7 +369,7 @@ pub(super) fn scan(bytes: &[u8]) -> Result<Scan, StepError> {
 fn kind<'a>(
     walk: &mut Walk<'a>,
     kinds: &mut Vec<Kind>,
-    numbers: &mut HashMap<Vec<u8>, u32>,
+    numbers: &mut Numbers,
     entries: &[Entry],
 ) -> Result<u32, StepError> {
     let complex = walk.bytes.get(walk.at) == Some(&b'(');
@@ -278,6 +386,7 @@ fn kind<'a>(
         && !complex
         && kinds[last.kind as usize].name.as_bytes() == name
     {
+        walk.at += name.len();
         return Ok(last.kind);
     }
     let mut key = Vec::with_capacity(name.len() + 1);
@@ -285,14 +394,19 @@ fn kind<'a>(
         key.push(b'(');
     }
     key.extend(name.iter().map(u8::to_ascii_uppercase));
-    if let Some(&n) = numbers.get(&key) {
-        return Ok(n);
+    Ok(numbered(kinds, numbers, &key))
+}
+
+/// The index of a keyword.
+fn numbered(kinds: &mut Vec<Kind>, numbers: &mut Numbers, key: &[u8]) -> u32 {
+    if let Some(&n) = numbers.get(key) {
+        return n;
     }
     let n = kinds.len() as u32;
     kinds.push(Kind {
-        name: String::from_utf8_lossy(&key).into_owned(),
+        name: String::from_utf8_lossy(key).into_owned(),
         count: 0,
     });
-    numbers.insert(key, n);
-    Ok(n)
+    numbers.insert(key.to_vec(), n);
+    n
 }

@@ -116,20 +116,21 @@ impl<'a> Cursor<'a> {
         self.blanks();
         let start = self.at;
         let rest = &self.bytes[start.min(self.bytes.len())..];
-        let end = rest
-            .iter()
-            .position(|b| !matches!(b, b'0'..=b'9' | b'.' | b'-' | b'+' | b'E' | b'e'));
-        let digits = &rest[..end.unwrap_or(rest.len())];
-        let value: Option<f64> = std::str::from_utf8(digits)
-            .ok()
-            .and_then(|s| s.parse().ok());
-        match value {
-            Some(x) if x.is_finite() => {
-                self.at += digits.len();
+        let unsigned = match rest {
+            [b'-' | b'+', rest @ ..] => rest,
+            rest => rest,
+        };
+        // The parser also takes `inf` and `nan`.
+        if !matches!(unsigned.first(), Some(b'0'..=b'9' | b'.')) {
+            return Err(self.wrong("a number"));
+        }
+        match fast_float2::parse_partial::<f64, _>(rest) {
+            Ok((x, length)) if x.is_finite() => {
+                self.at += length;
                 Ok(x)
             }
-            Some(_) => Err(self.wrong("a number below 1.8e308")),
-            None => Err(self.wrong("a number")),
+            Ok(_) => Err(self.wrong("a number below 1.8e308")),
+            Err(_) => Err(self.wrong("a number")),
         }
     }
 

@@ -3,7 +3,6 @@
 use super::WriteError;
 use super::conic::{Conic, conic};
 use super::out::Out;
-use glam::DVec3;
 use nappe::exact::{to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
 use nappe::mesh::Certainty;
 use nappe::surface::{Elementary, Surface};
@@ -113,12 +112,8 @@ fn counts(out: &mut Out<'_>, times: &[usize]) {
     out.end();
 }
 
-fn points(out: &mut Out<'_>, points: &[DVec3]) -> Result<Vec<u64>, WriteError> {
-    points.iter().map(|p| Ok(out.point(*p)?)).collect()
-}
-
 fn spline_curve(out: &mut Out<'_>, n: &NurbsCurve, name: &str) -> Result<u64, WriteError> {
-    let ids = points(out, &n.control_points())?;
+    let ids = out.points(&n.control_points())?;
     let (times, distinct) = knots(n.knots());
     let [first, last] = n.ends();
     let rational = n.is_rational();
@@ -257,7 +252,7 @@ fn elementary(out: &mut Out<'_>, e: &Elementary) -> Result<(u64, bool), WriteErr
 
 fn spline_surface(out: &mut Out<'_>, n: &NurbsSurface) -> Result<u64, WriteError> {
     let [rows, columns] = n.size();
-    let net = points(out, &n.control_points())?;
+    let net = out.points(&n.control_points())?;
     let rational = n.is_rational();
     if rational {
         out.open("(BOUNDED_SURFACE()B_SPLINE_SURFACE");

@@ -4,11 +4,13 @@ mod body;
 mod conic;
 mod geometry;
 mod out;
+mod text;
 
 use crate::atomic::write_atomically;
 use crate::{Colour, Document, ExchangeError, ItemForm};
 use nappe::Units;
 use nappe::mesh::Certainty;
+use nappe::parallel;
 use out::{Out, encoded};
 use std::io::{self, Write};
 use std::path::Path;
@@ -99,11 +101,11 @@ pub fn write(
 
 /// Writes a document to any place.
 pub(super) fn put(
-    to: &mut dyn Write,
+    to: &mut (dyn Write + Send),
     document: &Document,
     options: &StepOptions,
 ) -> Result<StepReport, WriteError> {
-    let mut out = Out::new(to);
+    let mut out = Out::new(to, parallel::all_threads());
     let name = document.name.as_deref().unwrap_or("");
     header(&mut out, name, options.schema);
     let mut report = StepReport {
@@ -163,11 +165,11 @@ pub(super) fn put(
             }
             ItemForm::Points(points) if points.is_empty() => {}
             ItemForm::Points(points) => {
-                let ids: io::Result<Vec<u64>> = points.iter().map(|p| out.point(*p)).collect();
+                let ids = out.points(points)?;
                 let set = out
                     .open("GEOMETRIC_CURVE_SET")
                     .text(&item.name)
-                    .references(&ids?)
+                    .references(&ids)
                     .close()?;
                 roots[2].push(set);
             }
