@@ -21,6 +21,8 @@ const GUESSES: [usize; 2] = [13, 97];
 const EACH: usize = 4;
 /// The guesses that are followed.
 const FOLLOWED: usize = 4;
+/// In place of a pole, samples are beside it by this share of the way to the next ones.
+const BESIDE: f64 = 0.125;
 
 /// A side that is one point.
 #[derive(Clone, Copy, Debug)]
@@ -234,9 +236,21 @@ impl<'a> Chart<'a> {
             let breaks = self.surface.breaks(dir);
             let count = (EACH * breaks.pieces() + 1).clamp(GUESSES[0], GUESSES[1]);
             let Interval { lo, hi } = breaks.domain();
-            (0..count)
+            let mut at: Vec<f64> = (0..count)
                 .map(|k| lo + (hi - lo) * k as f64 / (count - 1) as f64)
-                .collect::<Vec<f64>>()
+                .collect();
+            // At a pole all samples are one point, and from it there is no way round it: those that lead away from what is
+            // looked for would be followed as well as the one that leads there.
+            let own = |p: &&Pole| p.d == usize::from(dir == Dir::V);
+            for pole in self.poles.iter().filter(own) {
+                let [end, next] = if pole.upper {
+                    [count - 1, count - 2]
+                } else {
+                    [0, 1]
+                };
+                at[end] += BESIDE * (at[next] - at[end]);
+            }
+            at
         });
         let mut points = vec![DVec3::ZERO; us.len() * vs.len()];
         self.surface.grid(&us, &vs, &mut points);
@@ -296,4 +310,57 @@ fn newton([a, b, c]: [f64; 3], g: [f64; 2], free: [bool; 2]) -> Option<[f64; 2]>
         _ => return None,
     };
     step.iter().all(|s| s.is_finite()).then_some(step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::curve::{Ellipse, EllipseOptions};
+    use crate::frame::Frame;
+    use crate::surface::{Revolution, RevolutionOptions};
+    use std::sync::Arc;
+
+    /// Points around a pole, much nearer to it than samples are to each other, are found on all meridians.
+    #[test]
+    fn points_around_poles_are_found() {
+        for (aside, scale, base) in [
+            (0.0, 1.0, DVec3::ZERO),
+            (-0.15, 1.0, DVec3::ZERO),
+            (-0.15, 1e-3, DVec3::new(30.0, -20.0, 10.0)),
+            (-0.15, 1e5, DVec3::splat(1e6)),
+        ] {
+            // A sphere, or the inner part of a torus that passes through itself.
+            let frame = Frame::new(base, DVec3::new(0.3, -0.2, 1.0), DVec3::X).unwrap();
+            let half = f64::acos(-aside);
+            let options = EllipseOptions {
+                from: -half,
+                to: half,
+                normal: -frame.y(),
+                x_direction: Some(frame.x()),
+            };
+            let center = frame.point(DVec3::X * (aside * scale));
+            let arc = Ellipse::new(center, [scale; 2], options).unwrap();
+            let surface =
+                Revolution::new(Arc::new(arc), frame, RevolutionOptions::default()).unwrap();
+            let chart = Chart::new(&surface, 1e-6 * scale);
+            assert_eq!(chart.poles.len(), 2);
+            let (d, across) = (chart.poles[0].d, chart.domain[chart.poles[0].d]);
+            let turn = chart.domain[1 - d];
+            for k in 0..400 {
+                let [a, b] = [0.618_034, 0.754_878].map(|s: f64| (s * f64::from(k)).fract());
+                let depth = across.width() * 10f64.powf(-1.0 - 4.0 * a);
+                let mut uv = [0.0; 2];
+                uv[d] = if k % 2 == 0 {
+                    across.lo + depth
+                } else {
+                    across.hi - depth
+                };
+                uv[1 - d] = turn.lo + b * turn.width();
+                let p = chart.point(uv);
+                let (found, distance) = chart.find(p);
+                let rounding = 1e-12 * (scale + base.length());
+                assert!(distance <= rounding, "{aside} {uv:?} {found:?} {distance:e}");
+            }
+        }
+    }
 }
