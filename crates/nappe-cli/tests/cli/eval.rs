@@ -438,7 +438,7 @@ fn a_reader_that_goes_away_is_no_error() {
     }
 }
 
-/// r = (p u cos(p v), …) has closed velocities; so has the curve (p² t, 0, 0).
+/// r(u, v) = (p² u (1 - v), p q (1 - u) v + u v, u) and the curve (sin(p t), t, q t²) by p and q.
 #[test]
 fn velocities_are_columns() {
     let folder = Folder::with_model(
