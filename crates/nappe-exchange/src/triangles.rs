@@ -21,6 +21,8 @@ pub struct TriangleMesh {
     pub curves: Vec<Polyline>,
     /// What the file holds besides and was not taken over, in full sentences.
     pub notes: Vec<String>,
+    /// The geometry of the file that is not here, in full sentences: the mesh is then not whole.
+    pub missing: Vec<String>,
 }
 
 /// Triangles of one name and colour.

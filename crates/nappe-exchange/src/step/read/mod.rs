@@ -87,7 +87,7 @@ pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
     }
     reader.unshown();
     for fault in reader.tree.faults() {
-        reader.left.add(&fault);
+        reader.left.tell(&fault);
     }
     reader.document.name = reader
         .tree
@@ -158,7 +158,7 @@ impl<'a> Reader<'a> {
             }
             self.read.insert(id);
             if let Err(r) = self.item(&space, placed, id, colour, depth) {
-                self.left.add(&r);
+                self.left.item(&r, self.file.kind(id));
             }
         }
     }
@@ -238,7 +238,7 @@ impl<'a> Reader<'a> {
             for id in self.file.all(kind) {
                 if !self.read.contains(&id) {
                     let why = "no shape of a product that is shown has it";
-                    self.left.add(&self.file.refused(id, why));
+                    self.left.tell(&self.file.refused(id, why));
                 }
             }
         }
