@@ -2,20 +2,10 @@
 //! was read can be looked at.
 #![no_main]
 
-use libfuzzer_sys::fuzz_target;
-use nappe_exchange::step;
+#[path = "../../crates/nappe-exchange/tests/fuzz/look.rs"]
+#[allow(dead_code)]
+mod look;
 
-fuzz_target!(|bytes: &[u8]| {
-    match step::read(bytes) {
-        Ok(file) => {
-            for item in &file.document.items {
-                if let nappe_exchange::ItemForm::Body { body, .. } = &item.form {
-                    let _ = std::hint::black_box(body.validate(1.0));
-                }
-            }
-        }
-        Err(e) => {
-            std::hint::black_box(e.to_string());
-        }
-    }
-});
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| look::look_step(bytes));

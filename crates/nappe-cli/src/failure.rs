@@ -22,7 +22,7 @@ pub(crate) enum Failure {
 }
 
 /// A problem without a place in a model file.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[error("{message}")]
 pub(crate) struct Problem {
     message: String,

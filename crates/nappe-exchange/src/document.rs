@@ -67,11 +67,23 @@ pub struct LeftOut {
     pub count: usize,
     /// The first of them, as the file numbers it: `#123`, `D45`.
     pub first: String,
+    /// Whether it is geometry that the file shows, as a face, a curve or a point: the document is then not whole. Else it is
+    /// something said of geometry (annotations, styles, units) or what the file itself hides.
+    pub is_geometry: bool,
+}
+
+/// What a reader leaves out, by [`LeftOut::is_geometry`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Lost {
+    Geometry,
+    Other,
 }
 
 /// Counts a thing that a reader leaves out, together with those of its kind that it leaves out for the same reason.
-pub(crate) fn note(list: &mut Vec<LeftOut>, what: String, why: String, first: String) {
-    if let Some(l) = list.iter_mut().find(|l| l.what == what && l.why == why) {
+pub(crate) fn note(list: &mut Vec<LeftOut>, lost: Lost, what: String, why: String, first: String) {
+    let is_geometry = lost == Lost::Geometry;
+    let is_same = |l: &&mut LeftOut| l.what == what && l.why == why && l.is_geometry == is_geometry;
+    if let Some(l) = list.iter_mut().find(is_same) {
         l.count += 1;
         return;
     }
@@ -80,5 +92,6 @@ pub(crate) fn note(list: &mut Vec<LeftOut>, what: String, why: String, first: St
         why,
         count: 1,
         first,
+        is_geometry,
     });
 }

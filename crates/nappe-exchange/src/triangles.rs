@@ -21,6 +21,8 @@ pub struct TriangleMesh {
     pub curves: Vec<Polyline>,
     /// What the file holds besides and was not taken over, in full sentences.
     pub notes: Vec<String>,
+    /// The geometry of the file that is not here, in full sentences: the mesh is then not whole.
+    pub missing: Vec<String>,
 }
 
 /// Triangles of one name and colour.
@@ -157,13 +159,13 @@ impl Around {
 
     fn normal(&self, point: u32, number: usize, range: &std::ops::Range<usize>) -> DVec3 {
         let around = &self.list[self.starts[point as usize]..self.starts[point as usize + 1]];
-        let own = self.areas[number].try_normalize();
+        let own = direction(self.areas[number]);
         let same = around.iter().map(|&t| t as usize);
         let same = same.filter(|t| range.contains(t));
         let Some(own) = own else {
             // A triangle without area: that of its neighbours, or any.
             let sum: DVec3 = same.map(|t| self.areas[t]).sum();
-            return sum.try_normalize().unwrap_or(DVec3::Z);
+            return direction(sum).unwrap_or(DVec3::Z);
         };
         if around.len() > MOST_AROUND {
             return own;
@@ -173,8 +175,13 @@ impl Around {
             .map(|t| self.areas[t])
             .filter(|a| a.dot(own) >= smooth * a.length())
             .sum();
-        sum.try_normalize().unwrap_or(own)
+        direction(sum).unwrap_or(own)
     }
+}
+
+/// The unit vector along another one, `None` for zero. Scaled first: the square of an area of 1e-160 underflows.
+fn direction(v: DVec3) -> Option<DVec3> {
+    (v / v.abs().max_element()).try_normalize()
 }
 
 /// No vertex.

@@ -18,7 +18,8 @@ use std::time::Instant;
 /// says its format. Bodies become triangles within a proven distance, watertight along the edges that faces share, with
 /// names, colours and units. What could not be taken over is told with its reason.
 ///
-/// Faces and curves that get no triangles or lines are named; the file then holds the rest, and the exit code is 1.
+/// Faces and curves that get no triangles or lines, and geometry of the file that cannot be read, are named; the file
+/// then holds the rest, and the exit code is 1.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "\
 Examples:
@@ -59,10 +60,13 @@ impl Args {
             Read::Mesh(_) if self.tolerance.is_some() => Err(Failure::usage(format!(
                 "--tolerance is for exact geometry: the triangles of {input} are taken as they are"
             ))),
-            Read::Mesh(m) => self.plain(&m.to_scene(), &m.notes, screen),
+            Read::Mesh(m) => {
+                let missing = m.missing.iter().map(Problem::new).collect();
+                self.plain(&m.to_scene(), &m.notes, missing, screen)
+            }
             Read::Document(d) if format.is_exact() => {
-                let notes: Vec<String> = d.left_out.iter().map(left_out).collect();
-                self.plain(&exact(d), &notes, screen)
+                let (notes, missing) = lost(&d);
+                self.plain(&exact(d), &notes, missing, screen)
             }
             Read::Document(_) if format == Format::Json => {
                 let what = format!("{input}: holds faces, and .json files hold whole surfaces");
@@ -88,14 +92,44 @@ impl Args {
     }
 
     /// Writes what was read as it is.
-    fn plain(&self, scene: &Scene, notes: &[String], screen: &Screen) -> Result<(), Failure> {
-        let report = self.write(scene, screen)?;
+    fn plain(
+        &self,
+        scene: &Scene,
+        notes: &[String],
+        missing: Vec<Problem>,
+        screen: &Screen,
+    ) -> Result<(), Failure> {
+        // What is missing may be why there is nothing to write.
+        let report = self
+            .write(scene, screen)
+            .map_err(|e| self.with(e, missing.clone()))?;
         let size = bytes(report.bytes);
         screen.note(format!("{}: {size}", self.output.display()));
         for note in notes.iter().chain(&report.notes) {
             screen.note(note);
         }
-        Ok(())
+        self.whole(missing)
+    }
+
+    /// Fails if something is missing in the file that was written.
+    fn whole(&self, missing: Vec<Problem>) -> Result<(), Failure> {
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let rest = format!("{} holds the rest", self.output.display());
+        Err(few(missing, &rest).into())
+    }
+
+    /// A failure of writing, and what was missing before.
+    fn with(&self, failure: Failure, missing: Vec<Problem>) -> Failure {
+        match failure {
+            Failure::Problems(mut problems) if !missing.is_empty() => {
+                let more = few(missing, "nothing was written");
+                problems.extend(more.into_iter().map(|p| Box::new(p) as _));
+                Failure::Problems(problems)
+            }
+            other => other,
+        }
     }
 
     /// Writes the triangles of bodies.
@@ -104,11 +138,12 @@ impl Args {
         let tell = |share| progress.tell(share);
         let made = mesh_document(document, self.tolerance, Progress::to(&tell));
         progress.finish();
-        let notes: Vec<String> = document.left_out.iter().map(left_out).collect();
+        let (notes, mut missing) = lost(document);
+        missing.extend(made.missing.iter().map(without_triangles));
         let shown = |notes: &[String]| notes.iter().for_each(|note| screen.note(note));
         if made.scene.parts.is_empty() && made.scene.curves.is_empty() {
             shown(&notes);
-            let mut problems = missing(&made.missing, "nothing was written");
+            let mut problems = few(missing, "nothing was written");
             if problems.is_empty() {
                 let what = format!("{}: holds no faces and no curves", self.input.display());
                 problems.push(Problem::new(what).help("`nappe info` tells what it holds"));
@@ -131,39 +166,37 @@ impl Args {
                 "note: {place}: its loops run the wrong way round and were turned"
             ));
         }
-        let report = match report {
-            Ok(report) => report,
-            // What has no triangles may be why there is nothing to write.
-            Err(e) if made.missing.is_empty() => return Err(e),
-            Err(Failure::Problems(mut problems)) => {
-                let more = missing(&made.missing, "nothing was written");
-                problems.extend(more.into_iter().map(|p| Box::new(p) as _));
-                return Err(Failure::Problems(problems));
-            }
-            Err(e) => return Err(e),
-        };
+        let report = report.map_err(|e| self.with(e, missing.clone()))?;
         shown(&report.notes);
-        let rest = format!("{} holds the rest", self.output.display());
-        match missing(&made.missing, &rest) {
-            problems if problems.is_empty() => Ok(()),
-            problems => Err(problems.into()),
-        }
+        self.whole(missing)
     }
 }
 
 /// Problems that are shown one by one.
 const MOST_SHOWN: usize = 20;
 
-/// What has no triangles or lines, and what became of the rest.
-fn missing(all: &[Missing], rest: &str) -> Vec<Problem> {
-    let one = |m: &Missing| Problem::new(format!("{} is left out: {}", m.place, m.why));
-    let mut problems: Vec<Problem> = all.iter().take(MOST_SHOWN).map(one).collect();
-    let more = all.len().saturating_sub(MOST_SHOWN);
+fn without_triangles(m: &Missing) -> Problem {
+    Problem::new(format!("{} is left out: {}", m.place, m.why))
+}
+
+/// What a reader left out: notes, and the geometry that is missing.
+fn lost(document: &Document) -> (Vec<String>, Vec<Problem>) {
+    let (geometry, other): (Vec<&LeftOut>, Vec<&LeftOut>) =
+        document.left_out.iter().partition(|l| l.is_geometry);
+    let one = |l: &LeftOut| Problem::new(format!("{} is left out: {}", named(l), l.why));
+    (
+        other.into_iter().map(left_out).collect(),
+        geometry.into_iter().map(one).collect(),
+    )
+}
+
+/// The first of what is missing, and what became of the rest.
+fn few(mut problems: Vec<Problem>, rest: &str) -> Vec<Problem> {
+    let more = problems.len().saturating_sub(MOST_SHOWN);
+    problems.truncate(MOST_SHOWN);
     if more > 0 {
-        problems.push(Problem::new(format!(
-            "{} more faces and curves are left out",
-            count(more)
-        )));
+        let what = format!("{} more faces, curves or reasons are left out", count(more));
+        problems.push(Problem::new(what));
     }
     let last = problems.pop();
     let help = format!("{rest}; `nappe info` tells more of the file, another --tolerance may help");
@@ -202,10 +235,20 @@ fn exact(document: Document) -> Scene {
 
 /// What a reader left out, in words.
 pub(super) fn left_out(l: &LeftOut) -> String {
+    let kind = if l.is_geometry {
+        "missing geometry"
+    } else {
+        "left out"
+    };
+    format!("{kind}: {}: {}", named(l), l.why)
+}
+
+/// What was left out, how many and which.
+fn named(l: &LeftOut) -> String {
     let first = match (l.count, l.first.as_str()) {
         (_, "") => String::new(),
         (1, first) => format!(" ({first})"),
         (n, first) => format!(" ({} of them, the first {first})", count(n)),
     };
-    format!("left out: {}{first}: {}", l.what, l.why)
+    format!("{}{first}", l.what)
 }

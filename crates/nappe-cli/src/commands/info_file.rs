@@ -300,7 +300,7 @@ impl Facts {
         };
         let left_out = document.left_out.iter();
         let left_out = left_out
-            .map(|l| json!({ "what": l.what, "why": l.why, "count": l.count, "first": l.first }));
+            .map(|l| json!({ "what": l.what, "why": l.why, "count": l.count, "first": l.first, "is_geometry": l.is_geometry }));
         let kinds = KINDS.iter().zip(self.kinds);
         json!({
             "name": document.name,
@@ -422,8 +422,11 @@ fn mesh_text(mesh: &TriangleMesh, facts: &MeshFacts, format: &str) -> String {
     );
     head.row(["volume", &volume]);
     let mut text = format!("{head}\n");
-    if !mesh.notes.is_empty() {
+    if !(mesh.missing.is_empty() && mesh.notes.is_empty()) {
         text.push('\n');
+    }
+    for missing in &mesh.missing {
+        text.push_str(&format!("missing geometry: {missing}\n"));
     }
     for note in &mesh.notes {
         text.push_str(&format!("{note}\n"));
@@ -447,6 +450,7 @@ fn mesh_json(mesh: &TriangleMesh, facts: &MeshFacts, format: &str) -> Value {
         "box": hull(facts).map(|hull| box_json(hull, Certainty::Exact)),
         "area": facts.area,
         "volume": facts.volume,
+        "missing": mesh.missing,
         "notes": mesh.notes,
     })
 }

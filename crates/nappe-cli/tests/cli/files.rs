@@ -151,6 +151,68 @@ fn a_face_without_triangles_is_told() {
     assert!(told.data().contains("cannot be meshed"), "{}", told.data());
 }
 
+/// Geometry that a reader leaves out: the rest is written, and the exit code is 1. What is no geometry is only told.
+#[test]
+fn geometry_that_is_not_read_is_missing() {
+    let folder = Folder::with_model(&cube());
+    folder
+        .nappe("build model.nappe.toml -o cube.step -o cube.igs")
+        .data();
+    let text = String::from_utf8(folder.read("cube.step")).unwrap();
+    let at = text.find("ADVANCED_FACE").unwrap();
+    let strange = format!("{}STRANGE_FACE{}", &text[..at], &text[at + 13..]);
+    folder.write("strange.step", &strange);
+    for out in ["a.obj", "a.igs", "a.png"] {
+        let run = folder.nappe(&format!("convert strange.step {out}"));
+        assert_eq!(run.code, 1, "{out}: {}", run.stderr);
+        let said = run.problem();
+        assert!(said.contains("STRANGE_FACE"), "{said}");
+        assert!(said.contains(&format!("{out} holds the rest")), "{said}");
+        assert!(!folder.read(out).is_empty(), "{out}");
+    }
+    let told = folder.nappe("info strange.step");
+    assert!(
+        told.data().contains("missing geometry: STRANGE_FACE"),
+        "{}",
+        told.data()
+    );
+    let told = folder.nappe("info strange.step --format json");
+    let told: serde_json::Value = serde_json::from_str(told.data()).unwrap();
+    assert_eq!(told["left_out"][0]["is_geometry"], true, "{told}");
+    // Something that is said of geometry.
+    let end = text.rfind("ENDSEC;").unwrap();
+    let hidden = format!(
+        "{}#999999=INVISIBILITY(());\n{}",
+        &text[..end],
+        &text[end..]
+    );
+    folder.write("hidden.step", &hidden);
+    let run = folder.nappe("convert hidden.step b.obj");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(
+        run.stderr.contains("left out: INVISIBILITY"),
+        "{}",
+        run.stderr
+    );
+    // Meshes may hold what has no triangles.
+    folder.write(
+        "free.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\ncstype bezier\ndeg 1\ncurv 0 1 1 2\nend\n",
+    );
+    let run = folder.nappe("convert free.obj free.stl");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let said = run.problem();
+    assert!(said.contains("free-form"), "{said}");
+    assert!(said.contains("free.stl holds the rest"), "{said}");
+    assert!(!folder.read("free.stl").is_empty());
+    let told = folder.nappe("info free.obj");
+    assert!(
+        told.data().contains("missing geometry: 1 free-form"),
+        "{}",
+        told.data()
+    );
+}
+
 #[test]
 fn conversions_that_cannot_be_are_refused() {
     let folder = Folder::with_model(&cube());

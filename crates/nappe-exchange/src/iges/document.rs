@@ -6,7 +6,7 @@ use super::file::{Entry, File};
 use super::record::Got;
 use super::space::{DEEPEST, Space};
 use super::surfaces::is_surface;
-use crate::document::{Document, Item, ItemForm, note};
+use crate::document::{Document, Item, ItemForm, Lost, note};
 use crate::read::Fault;
 use glam::{DAffine3, DVec3};
 use nappe::body::Shell;
@@ -28,6 +28,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Document, Fault> {
                 .into();
         note(
             &mut out.left_out,
+            Lost::Other,
             format!("model space scale {scale}"),
             why,
             String::new(),
@@ -37,6 +38,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Document, Fault> {
         let why = "it is not known, and inches are taken in its place".into();
         note(
             &mut out.left_out,
+            Lost::Other,
             format!("unit `{unit}`"),
             why,
             String::new(),
@@ -57,11 +59,11 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Document, Fault> {
             _ => None,
         };
         if let Some(why) = aside {
-            left(&mut out, entry, number, why.into());
+            left(&mut out, Lost::Other, entry, number, why.into());
             continue;
         }
         if let Err(why) = item(&space, number, map, "", 0, &mut out) {
-            left(&mut out, entry, number, why);
+            left(&mut out, of_kind(entry), entry, number, why);
         }
     }
     Ok(out)
@@ -75,9 +77,18 @@ fn is_helper(entry: &Entry) -> bool {
     )
 }
 
-fn left(out: &mut Document, entry: &Entry, number: i64, why: String) {
+/// What is lost with an entity that is shown: notes on drawings and numbers for analysis are no geometry.
+fn of_kind(entry: &Entry) -> Lost {
+    match entry.kind {
+        132..=138 | 146 | 148 | 200..=406 | 410 | 416..=418 | 422 | 600..=699 => Lost::Other,
+        _ => Lost::Geometry,
+    }
+}
+
+fn left(out: &mut Document, lost: Lost, entry: &Entry, number: i64, why: String) {
     note(
         &mut out.left_out,
+        lost,
         format!("entity {}", entry.kind),
         why,
         format!("D{number}"),
@@ -245,7 +256,7 @@ fn item(
                 }
             }
             for (face, why) in b.left {
-                left(out, space.entry(face)?, face, why);
+                left(out, Lost::Geometry, space.entry(face)?, face, why);
             }
             let colour = space.colour(entry);
             // What all of it has, no face has for itself.
@@ -354,7 +365,7 @@ fn instance(
             if space.is_exhausted() {
                 return Err(why);
             }
-            left(out, entry, part, why);
+            left(out, of_kind(entry), entry, part, why);
         }
     }
     Ok(())

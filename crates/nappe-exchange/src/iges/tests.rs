@@ -5,10 +5,10 @@ use super::write::{IgesOptions, text};
 use crate::document::{Document, Item, ItemForm};
 use crate::samples::beside;
 use glam::DVec3;
-use nappe::CurveRef;
 use nappe::body::{Body, Coedge, Edge, Face, Loop, Shell, Vertex};
 use nappe::curve::{Ellipse, Line};
 use nappe::surface::bilinear;
+use nappe::{Curve, CurveRef};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 use std::sync::Arc;
@@ -553,4 +553,96 @@ fn boundaries_of_arcs_come_back() {
     let figures = nappe::body::figures(self::body(&back, 0)).unwrap();
     let area = figures.areas[0].as_ref().unwrap().value;
     assert!((area - 0.75).abs() < 1e-9, "{area}");
+}
+
+/// 144 has no mark for a face against its surface, and takes the first border as the outer one: area, normal and hole of
+/// a plate come back however its face is turned and its loops are listed.
+#[test]
+fn trimmed_surfaces_keep_their_side_and_their_holes() {
+    let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
+    let corners = corners.map(|[x, y]| DVec3::new(x, y, 0.0));
+    let radius = 0.47;
+    for (forward, kept, hole_first) in [
+        (true, true, false),
+        (true, true, true),
+        (false, true, true),
+        (false, true, false),
+        (true, false, true),
+        (false, false, true),
+    ] {
+        let plate = bilinear([[corners[0], corners[3]], [corners[1], corners[2]]]).unwrap();
+        let mut vertices: Vec<Vertex> = corners.iter().map(|&point| Vertex { point }).collect();
+        let circle = Ellipse::circle(DVec3::new(0.6, 0.5, 0.0), radius, DVec3::Z).unwrap();
+        vertices.push(Vertex {
+            point: circle.ends()[0],
+        });
+        let mut edges: Vec<Edge> = (0..4)
+            .map(|k| Edge {
+                curve: Arc::new(Line::new(corners[k], corners[(k + 1) % 4]).unwrap()),
+                vertices: [k, (k + 1) % 4],
+                tolerance: 0.0,
+            })
+            .collect();
+        edges.push(Edge {
+            curve: Arc::new(circle),
+            vertices: [4, 4],
+            tolerance: 0.0,
+        });
+        let coedge = |edge, forward| Coedge { edge, forward };
+        let mut loops = vec![
+            Loop::Edges((0..4).map(|k| coedge(k, true)).collect()),
+            Loop::Edges(vec![coedge(4, false)]),
+        ];
+        if hole_first {
+            loops.reverse();
+        }
+        let mut face = Face {
+            surface: Arc::new(plate),
+            forward: true,
+            loops,
+        };
+        if !forward {
+            face.turn();
+        }
+        let form = ItemForm::Body {
+            body: Body {
+                vertices,
+                edges,
+                faces: vec![face],
+                shells: vec![Shell {
+                    faces: vec![(0, kept)],
+                    closed: false,
+                }],
+            },
+            faces: Vec::new(),
+        };
+        let d = Document {
+            items: vec![Item {
+                name: String::new(),
+                colour: None,
+                form,
+            }],
+            ..Document::default()
+        };
+        let options = IgesOptions {
+            tolerance: 1e-9,
+            trimmed: true,
+        };
+        let back = read(&text(&d, &options).unwrap().0).unwrap();
+        assert!(back.left_out.is_empty(), "{:?}", back.left_out);
+        let b = body(&back, 0);
+        let figures = nappe::body::figures(b).unwrap();
+        assert!(figures.turned_round.is_empty());
+        let area = figures.areas[0].as_ref().unwrap().value;
+        let exact = 2.0 - PI * radius * radius;
+        assert!((area - exact).abs() < 1e-8, "{area}, not {exact}");
+        let face = &b.faces[0];
+        let [u, v] = face.surface.domain();
+        let jet = face
+            .surface
+            .jet([u.mid(), v.mid()], [nappe::Limit::Above; 2], 1);
+        let up = jet.d[1].cross(jet.d[2]).z > 0.0;
+        let seen = (up == face.forward) == b.shells[0].faces[0].1;
+        assert_eq!(seen, forward == kept);
+    }
 }

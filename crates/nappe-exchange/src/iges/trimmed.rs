@@ -14,8 +14,8 @@ use nappe::{CurveRef, SurfaceRef};
 const GAP: f64 = 1e-3;
 /// Samples of each piece that tell which way round a boundary goes.
 const SAMPLES: usize = 16;
-/// Samples of each piece that are projected for that, where the file has no curve in parameters.
-const PROJECTED: usize = 8;
+/// Samples of a boundary that are projected for that, where the file has no curve in parameters, and the fewest of a piece.
+const PROJECTED: [usize; 2] = [64, 8];
 /// Sides this near, relative to the size of the surface, make it closed.
 const CLOSED: f64 = 1e-9;
 
@@ -252,21 +252,8 @@ fn chain(body: &mut Body, pieces: &[CurveRef]) -> Got<Vec<Coedge>> {
 fn signed_area(surface: &SurfaceRef, same: bool, b: &Border, body: &Body) -> Option<f64> {
     let mut points: Vec<DVec2> = Vec::new();
     if b.flat.is_empty() {
-        if is_closed(surface) {
-            return None;
-        }
-        let finder = Finder::new(std::slice::from_ref(surface), FinderOptions::default()).ok()?;
-        let n = body.edges.len();
-        for (edge, forward) in border_edges(b, body, n) {
-            for k in 0..PROJECTED {
-                let share = k as f64 / PROJECTED as f64;
-                let d = edge.domain();
-                let share = if forward { share } else { 1.0 - share };
-                let p = edge.point(d.lo + share * (d.hi - d.lo));
-                points.push(DVec2::from(finder.nearest(p).ok()?.uv));
-            }
-        }
-        return Some(polygon(&points));
+        let edges: Vec<(&CurveRef, bool)> = border_edges(b, body, body.edges.len()).collect();
+        return projected_area(surface, &edges);
     }
     for c in &b.flat {
         let d = c.domain();
@@ -292,6 +279,29 @@ fn signed_area(surface: &SurfaceRef, same: bool, b: &Border, body: &Body) -> Opt
         }
     }
     Some(area)
+}
+
+/// Twice the area that curves go round in parameters, by samples that are projected, positive if it is to the left. The
+/// curves are end to end, each with whether it is run through forwards. `None` on a surface that closes: there an area
+/// may be on either side.
+pub(super) fn projected_area(surface: &SurfaceRef, curves: &[(&CurveRef, bool)]) -> Option<f64> {
+    if is_closed(surface) {
+        return None;
+    }
+    let finder = Finder::new(std::slice::from_ref(surface), FinderOptions::default()).ok()?;
+    let [all, least] = PROJECTED;
+    let each = all.div_ceil(curves.len().max(1)).max(least);
+    let mut points: Vec<DVec2> = Vec::new();
+    for &(curve, forward) in curves {
+        for k in 0..each {
+            let share = k as f64 / each as f64;
+            let d = curve.domain();
+            let share = if forward { share } else { 1.0 - share };
+            let p = curve.point(d.lo + share * (d.hi - d.lo));
+            points.push(DVec2::from(finder.nearest(p).ok()?.uv));
+        }
+    }
+    Some(polygon(&points))
 }
 
 /// The curves of the border's edges, the last that were added to the body, and whether the loop runs with them.

@@ -5,14 +5,15 @@
 //! 502), or single trimmed surfaces (144) with the edges as boundaries (142), as asked for.
 
 use super::out::Out;
+use super::trimmed::projected_area;
 use crate::atomic::write_atomically;
 use crate::hollow::is_hollow;
 use crate::{Document, ExchangeError, Item, ItemForm};
 use glam::DVec3;
-use nappe::body::{Body, Coedge, Loop};
+use nappe::body::{Body, Coedge, Face, Loop};
 use nappe::exact::{to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
 use nappe::mesh::Certainty;
-use nappe::{CurveRef, NurbsCurve, NurbsSurface, SurfaceRef};
+use nappe::{Box3, CurveRef, NurbsCurve, NurbsSurface, SurfaceRef};
 use std::io::Write;
 use std::path::Path;
 
@@ -182,12 +183,22 @@ impl Writer {
         })
     }
 
-    fn surface(&mut self, s: &SurfaceRef, status: &str) -> Result<(usize, NurbsSurface), String> {
+    /// `turned`: with its normal on the other side, its parameters exchanged.
+    fn surface(
+        &mut self,
+        s: &SurfaceRef,
+        turned: bool,
+        status: &str,
+    ) -> Result<(usize, NurbsSurface), String> {
         let made = to_nurbs_or_approximate(s.as_ref(), self.options.tolerance)
             .map_err(|e| e.to_string())?;
         self.report.certainty = self.report.certainty.and(made.certainty);
         self.report.approximated += usize::from(made.certainty != Certainty::Exact);
-        let n = made.nurbs;
+        let n = if turned {
+            made.nurbs.swapped()
+        } else {
+            made.nurbs
+        };
         let [rows, columns] = n.size();
         let bases = [n.basis_u(), n.basis_v()];
         let (points, weights) = (n.control_points(), n.weights());
@@ -227,13 +238,19 @@ impl Writer {
         })
     }
 
-    /// 144. A surface whose normal is not the face's is that of its face turned: the file has no mark for it.
+    /// 144. The file has no mark for a face whose normal is not that of its surface: the surface is turned.
     fn trimmed(&mut self, body: &Body, face: usize) -> Result<usize, String> {
-        let (surface, _) = self.surface(&body.faces[face].surface, PART)?;
+        // As the body has it.
+        let mut seen = body.faces[face].clone();
+        let mut all = body.shells.iter().flat_map(|s| &s.faces);
+        if all.find(|s| s.0 == face).is_some_and(|s| !s.1) {
+            seen.turn();
+        }
+        let (surface, _) = self.surface(&seen.surface, !seen.forward, PART)?;
         let mut borders = Vec::new();
-        for coedges in Self::loops(body, face) {
+        for coedges in outer_first(body, &seen) {
             let mut parts = Vec::new();
-            for c in &coedges {
+            for c in coedges {
                 let curve = &body.edges[c.edge].curve;
                 let made = to_nurbs_or_approximate_curve(curve.as_ref(), self.options.tolerance)
                     .map_err(|e| e.to_string())?;
@@ -294,7 +311,7 @@ impl Writer {
         });
         let mut faces = Vec::new();
         for face in 0..body.faces.len() {
-            let (surface, _) = self.surface(&body.faces[face].surface, PART)?;
+            let (surface, _) = self.surface(&body.faces[face].surface, false, PART)?;
             let mut borders = Vec::new();
             for coedges in Self::loops(body, face) {
                 borders.push(self.out.entity(508, 1, DEFINITION, |r| {
@@ -357,4 +374,38 @@ impl Writer {
         }
         Ok(())
     }
+}
+
+/// The loops of a face as its own normal sees them, that around all others first: the largest in the parameters, and in
+/// space where the surface closes.
+fn outer_first<'a>(body: &Body, f: &'a Face) -> Vec<&'a [Coedge]> {
+    let mut loops: Vec<&[Coedge]> = f
+        .loops
+        .iter()
+        .filter_map(|l| match l {
+            Loop::Edges(coedges) => Some(&coedges[..]),
+            Loop::Vertex(_) => None,
+        })
+        .collect();
+    if loops.len() < 2 {
+        return loops;
+    }
+    let curves = |l: &[Coedge]| -> Vec<(&CurveRef, bool)> {
+        let one = |c: &Coedge| (&body.edges[c.edge].curve, c.forward);
+        l.iter().map(one).collect()
+    };
+    let areas: Option<Vec<f64>> = loops
+        .iter()
+        .map(|l| projected_area(&f.surface, &curves(l)).map(f64::abs))
+        .collect();
+    let sizes = areas.unwrap_or_else(|| {
+        let size = |l: &&[Coedge]| {
+            let boxes = curves(l).into_iter().map(|(c, _)| c.bounds(c.domain()));
+            boxes.reduce(Box3::hull).map_or(0.0, |b| b.diagonal())
+        };
+        loops.iter().map(size).collect()
+    });
+    let largest = (0..loops.len()).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b]));
+    loops.swap(0, largest.unwrap_or(0));
+    loops
 }

@@ -10,7 +10,7 @@ mod shapes;
 use super::sheet::{dots, wire};
 use super::words::Words;
 use super::{Fault, shown};
-use crate::document::{Document, Item, note};
+use crate::document::{Document, Item, Lost, note};
 use crate::iges::placed;
 use curves::Stated;
 use glam::DAffine3;
@@ -175,7 +175,8 @@ impl Layout {
             match item {
                 Ok(item) => self.document.items.push(item),
                 Err((what, why)) => {
-                    note(&mut self.document.left_out, what.into(), why, first);
+                    let lost = Lost::Geometry;
+                    note(&mut self.document.left_out, lost, what.into(), why, first);
                 }
             }
         }

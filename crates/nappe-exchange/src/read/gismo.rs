@@ -7,7 +7,7 @@
 use super::sheet::{sheet, wire};
 use super::words::Words;
 use super::{Fault, net, number, shown};
-use crate::document::{Document, Item, note};
+use crate::document::{Document, Item, Lost, note};
 use glam::DVec3;
 use nappe::{NurbsCurve, NurbsSurface};
 use roxmltree::{Node, ParsingOptions};
@@ -43,16 +43,18 @@ pub(super) fn read(bytes: &[u8]) -> Result<Document, Fault> {
             ("Geometry", "BSpline" | "Nurbs") => 1,
             ("Geometry", "TensorBSpline2" | "TensorNurbs2") => 2,
             (name, kind) => {
-                let why = match name {
-                    "MultiPatch" => {
-                        "its patches are read one by one, without what it says of their sides"
-                    }
-                    "Geometry" => "geometry of this type is not read",
-                    _ => "it is no geometry",
+                let (lost, why) = match name {
+                    "MultiPatch" => (
+                        Lost::Other,
+                        "its patches are read one by one, without what it says of their sides",
+                    ),
+                    "Geometry" => (Lost::Geometry, "geometry of this type is not read"),
+                    _ => (Lost::Other, "it is no geometry"),
                 };
                 let what = shown(format!("{name} {kind}").trim());
                 note(
                     &mut document.left_out,
+                    lost,
                     what,
                     why.into(),
                     format!("line {}", line(node)),
@@ -64,6 +66,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Document, Fault> {
             Ok(item) => document.items.push(item),
             Err(why) => note(
                 &mut document.left_out,
+                Lost::Geometry,
                 shown(&format!("Geometry {kind}")),
                 why,
                 format!("line {}", line(node)),
@@ -167,7 +170,8 @@ fn geometry(
         }
         (Some((m, u)), Some((n, v))) => {
             // Unequal numbers of knots and points are told by the surface, which needs some order of the points.
-            let size = [u.len().saturating_sub(m + 1), v.len().saturating_sub(n + 1)];
+            let count = |knots: &[f64], degree: usize| knots.len().saturating_sub(degree.saturating_add(1));
+            let size = [count(&u, m), count(&v, n)];
             if size[0].checked_mul(size[1]) != Some(points.len()) {
                 return Err(Fault::line(
                     at,

@@ -210,17 +210,11 @@ pub(super) fn read(bytes: &[u8], folder: Option<&Path>) -> Result<TriangleMesh, 
             .and_then(|n| n.name.clone())
             .filter(|n| n != "nappe");
     }
-    for (count, what) in [
-        (reader.skipped, "primitives of points or of loose lines"),
-        (reader.skins, "skins"),
-    ] {
-        if count > 0 {
-            reader
-                .mesh
-                .notes
-                .push(format!("{count} {what} were left out."));
-        }
-    }
+    let told =
+        |count: usize, what: &str| (count > 0).then(|| format!("{count} {what} were left out."));
+    let skipped = told(reader.skipped, "primitives of points or of loose lines");
+    reader.mesh.missing.extend(skipped);
+    reader.mesh.notes.extend(told(reader.skins, "skins"));
     reader.mesh.points = reader.weld.points;
     Ok(reader.mesh)
 }

@@ -88,7 +88,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, Fault> {
         }
     }
     if shapes > 0 {
-        mesh.notes.push(format!("{shapes} free-form curves and surfaces were left out: of .obj files triangles and lines are read."));
+        mesh.missing.push(format!("{shapes} free-form curves and surfaces were left out: of .obj files triangles and lines are read."));
     }
     mesh.notes.extend(super::polygon::note(crossed));
     Ok(mesh)

@@ -312,7 +312,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<TriangleMesh, Fault> {
         }
     }
     if strips > 0 {
-        mesh.notes.push(
+        mesh.missing.push(
             "Triangle strips were left out: of .ply files the element `face` is read.".into(),
         );
     }

@@ -140,10 +140,7 @@ fn the_table_of_public_files_is_up_to_date() {
     }
 }
 
-/// Faces that get no triangles yet, of files where there are some. The list may only become shorter.
-const WITHOUT: [(&str, usize); 1] = [("occt/screw.step", 2)];
-
-/// Every face but those above has triangles; solids are watertight; area and volume of the triangles are those of the surfaces within what
+/// Every face has triangles; solids are watertight; area and volume of the triangles are those of the surfaces within what
 /// their distance allows.
 #[test]
 fn triangles_of_public_files_are_those_of_their_surfaces() {
@@ -165,7 +162,6 @@ fn triangles_of_public_files_are_those_of_their_surfaces() {
                 shape::compare(&body, &made.mesh, &what);
             }
         }
-        let known = WITHOUT.iter().find(|w| w.0 == name).map_or(0, |w| w.1);
-        assert!(failed <= known, "{name}: {failed} faces have no triangles");
+        assert_eq!(failed, 0, "{name}: faces without triangles");
     }
 }

@@ -20,7 +20,7 @@ pub enum KnotError {
         degree: usize,
     },
     /// The length does not fit.
-    #[error("{points} points of degree {degree} need {} knots, {knots} are given", points + degree + 1)]
+    #[error("{points} points of degree {degree} need {} knots, {knots} are given", points.saturating_add(*degree).saturating_add(1))]
     Count {
         /// The number of control points.
         points: usize,
@@ -30,7 +30,7 @@ pub enum KnotError {
         knots: usize,
     },
     /// Fewer points than the degree needs.
-    #[error("degree {degree} needs at least {} points, {points} are given", degree + 1)]
+    #[error("degree {degree} needs at least {} points, {points} are given", degree.saturating_add(1))]
     TooFewPoints {
         /// The number of control points.
         points: usize,

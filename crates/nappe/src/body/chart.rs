@@ -359,7 +359,10 @@ mod tests {
                 let p = chart.point(uv);
                 let (found, distance) = chart.find(p);
                 let rounding = 1e-12 * (scale + base.length());
-                assert!(distance <= rounding, "{aside} {uv:?} {found:?} {distance:e}");
+                assert!(
+                    distance <= rounding,
+                    "{aside} {uv:?} {found:?} {distance:e}"
+                );
             }
         }
     }

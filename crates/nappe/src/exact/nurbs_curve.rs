@@ -145,7 +145,7 @@ impl NurbsCurve {
         points: &[DVec3],
         weights: Option<&[f64]>,
     ) -> Result<Self, NurbsError> {
-        if points.len() < degree + 1 {
+        if points.len() <= degree {
             return Err(KnotError::TooFewPoints {
                 points: points.len(),
                 degree,

@@ -4,6 +4,7 @@ use super::faces::Builder;
 use super::file::{File, Refused};
 use super::left::Left;
 use super::place::Space;
+use crate::document::Lost;
 use crate::{Colour, FaceStyle, Item, ItemForm};
 use nappe::parallel;
 use std::collections::HashMap;
@@ -29,7 +30,7 @@ pub(super) struct Job<'a> {
 /// What comes next in the document.
 pub(super) enum Next<'a> {
     Item(Item),
-    Left(Refused),
+    Left(Refused, Lost),
     Job(Box<Job<'a>>),
 }
 
@@ -80,7 +81,7 @@ pub(super) fn make(
     for next in waiting {
         match next {
             Next::Item(item) => items.push(item),
-            Next::Left(refused) => left.add(&refused),
+            Next::Left(refused, lost) => left.put(&refused, lost),
             Next::Job(_) => {
                 if let Some(made) = made.next() {
                     left.append(made.left);

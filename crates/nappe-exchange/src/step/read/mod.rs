@@ -19,10 +19,11 @@ mod value;
 pub(crate) use curves::Course;
 
 use super::StepError;
+use crate::document::Lost;
 use crate::{Colour, Document, Item, ItemForm};
 use bodies::{Job, Next, Source, WAITING};
 use file::{File, Got, Refused};
-use left::Left;
+use left::{Left, lost_with};
 use nappe::Units;
 use nappe::parallel;
 use place::Space;
@@ -96,7 +97,7 @@ fn read_on(bytes: &[u8], threads: usize) -> Result<StepFile, StepError> {
     reader.make();
     reader.unshown();
     for fault in reader.tree.faults() {
-        reader.left.add(&fault);
+        reader.left.tell(&fault);
     }
     reader.document.name = reader
         .tree
@@ -158,7 +159,7 @@ impl<'a> Reader<'a> {
     }
 
     fn leave(&mut self, refused: Refused) {
-        self.push(Next::Left(refused));
+        self.push(Next::Left(refused, Lost::Geometry));
     }
 
     /// Makes all that waits.
@@ -196,7 +197,7 @@ impl<'a> Reader<'a> {
             }
             self.read.insert(id);
             if let Err(r) = self.item(&space, placed, id, colour, depth) {
-                self.leave(r);
+                self.push(Next::Left(r, lost_with(self.file.kind(id))));
             }
         }
     }
@@ -278,7 +279,7 @@ impl<'a> Reader<'a> {
             for id in self.file.all(kind) {
                 if !self.read.contains(&id) {
                     let why = "no shape of a product that is shown has it";
-                    self.left.add(&self.file.refused(id, why));
+                    self.left.tell(&self.file.refused(id, why));
                 }
             }
         }

@@ -23,7 +23,7 @@ const DEPTH: usize = 10;
 pub(super) fn colours(file: &File<'_>, left: &mut Left) -> HashMap<u64, Colour> {
     for (kind, why) in UNREAD {
         for id in file.all(kind) {
-            left.add(&file.refused(id, why));
+            left.tell(&file.refused(id, why));
         }
     }
     let mut found = HashMap::new();
