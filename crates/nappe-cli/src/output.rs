@@ -1,6 +1,7 @@
 //! Files that are written: whole, or not at all.
 
 use crate::failure::{Failure, Problem};
+use nappe_exchange::step::Schema;
 use nappe_exchange::{ExchangeError, write_atomically};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -56,4 +57,18 @@ pub(crate) fn problem(e: ExchangeError) -> Problem {
         }
         _ => problem,
     }
+}
+
+/// The standard that STEP files follow.
+pub(crate) fn schema(ap214: bool) -> Schema {
+    if ap214 { Schema::Ap214 } else { Schema::Ap242 }
+}
+
+/// Refuses a choice of the standard where no STEP file is written.
+pub(crate) fn check_ap214(ap214: bool, is_step: bool) -> Result<(), Failure> {
+    if ap214 && !is_step {
+        let why = "--ap214 is for STEP files: name a file that ends with .step or .stp";
+        return Err(Failure::usage(why));
+    }
+    Ok(())
 }

@@ -2,6 +2,7 @@
 
 use crate::format::Format;
 use crate::render::PictureOptions;
+use crate::step::Schema;
 use nappe::mesh::Certainty;
 use std::path::PathBuf;
 
@@ -15,6 +16,8 @@ pub struct WriteOptions<'a> {
     /// How far a curve or surface that has no exact form may be from what stands for it in `.step`; by default a
     /// thousandth of a millimetre.
     pub tolerance: Option<f64>,
+    /// The standard that `.step` follows.
+    pub schema: Schema,
 }
 
 /// Somebody to tell how far a long work is; by default nobody.

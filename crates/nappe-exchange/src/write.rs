@@ -7,7 +7,7 @@ use crate::iges::{self, IgesOptions};
 use crate::render::Picture;
 use crate::report::{Tally, Ticker, WriteOptions, WriteReport};
 use crate::scene::Scene;
-use crate::step::{self, Schema, StepOptions};
+use crate::step::{self, StepOptions};
 use crate::{gltf, json, obj, ply, stl, threemf, vtu};
 use nappe::mesh::Certainty;
 use std::io::{Seek, Write};
@@ -88,7 +88,7 @@ fn exact(
         (written.approximated, written.certainty)
     } else {
         let step = StepOptions {
-            schema: Schema::default(),
+            schema: options.schema,
             tolerance,
         };
         let written = step::write(path, &scene.document, &step)?;

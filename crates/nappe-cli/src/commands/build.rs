@@ -7,7 +7,7 @@ use crate::scene::Bend;
 use crate::screen::Screen;
 use crate::text::{self, Table};
 use crate::{output, scene, slits};
-use nappe_exchange::{Format, Progress, Scene, WriteOptions, WriteReport};
+use nappe_exchange::{Format, ItemForm, Progress, Scene, WriteOptions, WriteReport};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -24,7 +24,8 @@ use std::time::Instant;
 Examples:
   nappe build duct.nappe.toml                                      writes duct.glb
   nappe build duct.nappe.toml -o duct.stl -o duct.json -o duct.png
-  nappe build duct.nappe.toml --tolerance 0.01 --set radius=80 -o duct.3mf")]
+  nappe build duct.nappe.toml --tolerance 0.01 --set radius=80 -o duct.3mf
+  nappe build duct.nappe.toml --ap214 -o duct.step                 for systems that do not read AP242")]
 pub(crate) struct Args {
     #[command(flatten)]
     model: ModelArgs,
@@ -37,6 +38,10 @@ pub(crate) struct Args {
     /// the diagonal of its box
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = super::length)]
     tolerance: Option<f64>,
+
+    /// Write .step files by AP214, which older systems read, instead of AP242
+    #[arg(long)]
+    ap214: bool,
 }
 
 impl Args {
@@ -47,6 +52,7 @@ impl Args {
             self.model.open(screen)?;
         }
         let files = self.files()?;
+        output::check_ap214(self.ap214, files.iter().any(|f| f.1 == Format::Step))?;
         let model = self.model.open(screen)?;
         let tolerance = scene::tolerance(&model, self.tolerance);
         let unmeshed = |f: Format| f == Format::Json || f.is_exact();
@@ -80,6 +86,7 @@ impl Args {
             let options = WriteOptions {
                 progress: Progress::to(&tell),
                 tolerance: Some(tolerance),
+                schema: output::schema(self.ap214),
                 ..WriteOptions::default()
             };
             let report = nappe_exchange::write(path, &scene, &options);
@@ -153,6 +160,21 @@ fn beside(model: &Path) -> PathBuf {
     model.with_file_name(format!("{bare}.glb"))
 }
 
+/// How many curves and surfaces go out exactly: in files of NURBS, or else as the faces and curves of a document.
+fn exact_count(scene: &Scene) -> usize {
+    if !scene.exact.is_empty() {
+        return scene.exact.len();
+    }
+    let items = scene.document.items.iter();
+    items
+        .map(|item| match &item.form {
+            ItemForm::Body { body, .. } => body.faces.len(),
+            ItemForm::Curve(_) => 1,
+            ItemForm::Points(_) => 0,
+        })
+        .sum()
+}
+
 fn table(scene: &Scene, reports: &[WriteReport], start: Instant) -> Table {
     let mut table = Table::of_facts();
     if let Some(title) = &scene.title {
@@ -161,7 +183,7 @@ fn table(scene: &Scene, reports: &[WriteReport], start: Instant) -> Table {
     if scene.parts.is_empty() {
         table.row([
             "curves and surfaces".to_owned(),
-            text::count(scene.exact.len()),
+            text::count(exact_count(scene)),
         ]);
     } else {
         table.row(["patches".to_owned(), text::count(scene.parts.len())]);

@@ -26,6 +26,7 @@ Examples:
   nappe convert part.step part.glb
   nappe convert part.step part.stl --tolerance 0.01
   nappe convert hull.iges hull.step
+  nappe convert hull.iges hull.step --ap214
   nappe convert scan.stl scan.png")]
 pub(crate) struct Args {
     /// The file to read
@@ -40,12 +41,17 @@ pub(crate) struct Args {
     /// file. Default: for triangles a thousandth of the diagonal of the box, else a micrometre
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true, value_parser = super::length)]
     tolerance: Option<f64>,
+
+    /// Write a .step file by AP214, which older systems read, instead of AP242
+    #[arg(long)]
+    ap214: bool,
 }
 
 impl Args {
     pub(crate) fn run(&self, screen: &Screen) -> Result<(), Failure> {
         let start = Instant::now();
         let format = Format::from_path(&self.output).map_err(output::refused)?;
+        output::check_ap214(self.ap214, format == Format::Step)?;
         output::check(&self.output)?;
         let read = nappe_exchange::read(&self.input).map_err(|e| Problem::new(e.to_string()))?;
         let input = self.input.display();
@@ -84,6 +90,7 @@ impl Args {
         let options = WriteOptions {
             progress: Progress::to(&tell),
             tolerance: self.tolerance,
+            schema: output::schema(self.ap214),
             ..WriteOptions::default()
         };
         let report = nappe_exchange::write(&self.output, scene, &options);

@@ -499,3 +499,38 @@ fn files_are_converted() {
     let refused = folder.nappe("convert ball.igs ball.xyz");
     assert!(refused.problem().contains(".xyz"), "{}", refused.problem());
 }
+
+#[test]
+fn step_files_follow_the_standard_that_is_asked_for_and_their_surfaces_are_counted() {
+    let folder = Folder::with_model(MODEL);
+    let run = folder.nappe("build model.nappe.toml -o tent.step");
+    run.data();
+    // The floor, the roof and the pole.
+    assert_eq!(fact(&run.stderr, "curves and surfaces"), "3");
+    let schema = |name: &str| {
+        let text = String::from_utf8(folder.read(name)).unwrap();
+        let line = text.lines().find(|l| l.starts_with("FILE_SCHEMA"));
+        line.unwrap().to_owned()
+    };
+    assert!(schema("tent.step").contains("AP242"));
+    folder
+        .nappe("build model.nappe.toml --ap214 -o tent.step")
+        .data();
+    assert!(schema("tent.step").contains("AUTOMOTIVE_DESIGN"));
+    folder.nappe("convert tent.step again.stp").data();
+    assert!(schema("again.stp").contains("AP242"));
+    folder.nappe("convert tent.step again.stp --ap214").data();
+    assert!(schema("again.stp").contains("AUTOMOTIVE_DESIGN"));
+    for wrong in [
+        "build model.nappe.toml --ap214 -o tent.stl",
+        "convert tent.step tent.igs --ap214",
+    ] {
+        let run = folder.nappe(wrong);
+        assert_eq!(run.code, 2, "{}", run.stderr);
+        assert!(
+            run.stderr.contains("--ap214 is for STEP files"),
+            "{}",
+            run.stderr
+        );
+    }
+}
