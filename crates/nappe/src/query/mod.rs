@@ -2,9 +2,8 @@
 //!
 //! [`Finder`] is prepared once for some surfaces, or curves, and then gives the nearest point to any point, one by one or
 //! many at once, or all nearest points ([`Locus`]). [`SignedFinder`] also tells on which side of the surfaces a point is.
-//! The files: `shape` is what surfaces and curves have in common, `part` bounds the distance over a part of one, `descent`
-//! finds the nearest place of a part, `tree` keeps parts of all so that few of them are looked at, `nearest` searches
-//! (many points in an `order` in which they are near each other). `within` finds all that is no farther away than that,
+//! The files: `shape` is what surfaces and curves have in common, `part` bounds the distance over a part of one, `tree` keeps
+//! parts of all so that few of them are looked at, `nearest` searches. `within` finds all that is no farther away than that,
 //! for `all` and for `side`.
 //!
 //! [`trace`] gives all curves on which a function of two parameters is zero ([`Field`]: an expression, a formula, or a
@@ -18,14 +17,12 @@
 mod all;
 mod cells;
 mod chains;
-mod descent;
 mod extended;
 mod field;
 mod figure;
 mod intersect;
 mod meet;
 mod nearest;
-mod order;
 mod part;
 mod path;
 mod seams;

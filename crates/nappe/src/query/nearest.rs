@@ -1,16 +1,14 @@
 //! The nearest point of some surfaces.
 
-use super::order::along_curve;
 use super::part::{Part, Place, length};
 use super::shape::Shape;
-use super::tree::{Kept, Tree};
+use super::tree::Tree;
 use crate::curve::CurveRef;
 use crate::mesh::Certainty;
 use crate::parallel;
 use crate::ranked::Ranked;
 use crate::surface::{SurfaceRef, in_parallel};
 use glam::DVec3;
-use smallvec::SmallVec;
 use std::collections::BinaryHeap;
 
 /// The default tolerance as a share of the diagonal.
@@ -89,8 +87,7 @@ pub enum QueryError {
 /// Finds nearest points on some surfaces.
 ///
 /// Prepared once: each analytic piece is cut until the curvature of the distance is known well over its parts. The time
-/// for a point near the surfaces then hardly depends on their number. Parts that have to be halved for a point are kept for others
-/// (about as many as were prepared): the answers are the same with and without them.
+/// for a point near the surfaces then hardly depends on their number.
 ///
 /// ```
 /// use nappe::query::{Finder, FinderOptions};
@@ -214,18 +211,12 @@ pub(super) fn answers<T: Clone + Send>(
     threads: usize,
     answer: impl Fn(DVec3) -> Result<T, QueryError> + Sync,
 ) -> Vec<Result<T, QueryError>> {
-    let order = along_curve(points);
-    let none = Err(QueryError::NoSurface);
-    let mut found = vec![none.clone(); points.len()];
-    in_parallel(threads, &order, 1, &mut found, |order, found| {
-        for (&k, found) in order.iter().zip(found) {
-            *found = answer(points[k]);
+    let mut out = vec![Err(QueryError::NoSurface); points.len()];
+    in_parallel(threads, points, 1, &mut out, |points, out| {
+        for (&p, out) in points.iter().zip(out) {
+            *out = answer(p);
         }
     });
-    let mut out = vec![none; points.len()];
-    for (k, found) in order.into_iter().zip(found) {
-        out[k] = found;
-    }
     out
 }
 
@@ -238,20 +229,11 @@ pub(super) fn check_tolerance(tol: f64) -> Result<(), QueryError> {
     }
 }
 
-/// A part that is still to be looked at.
-enum Item<'a> {
-    Kept(&'a Kept),
+/// What is still to be looked at.
+enum Item {
+    Node(u32),
     /// Made for this point.
-    Made(Box<Part>),
-}
-
-impl Item<'_> {
-    fn part(&self) -> &Part {
-        match self {
-            Item::Kept(kept) => &kept.part,
-            Item::Made(part) => part,
-        }
-    }
+    Part(Box<Part>),
 }
 
 /// The search for one point.
@@ -266,65 +248,13 @@ struct Search<'a> {
     /// No point of what has been settled is nearer.
     lower: f64,
     /// The least lower bound first.
-    heap: BinaryHeap<Ranked<Item<'a>>>,
+    heap: BinaryHeap<Ranked<Item>>,
     pushed: usize,
     budget: usize,
 }
 
-impl<'a> Search<'a> {
-    fn run(&mut self) {
-        if !self.finder.tree.nodes.is_empty() {
-            self.prepared();
-        }
-        self.halve();
-    }
-
-    /// Looks through the tree, down to the nearer of two nodes first: that soon leads to a place, beside which few others need a
-    /// look. What that leaves open goes into the heap.
-    fn prepared(&mut self) {
-        let tree = &self.finder.tree;
-        let mut open: SmallVec<[(f64, u32); 64]> = SmallVec::new();
-        open.push((self.bound(0, 0.0), 0));
-        while let Some((lower, k)) = open.pop() {
-            if lower >= self.limit {
-                self.lower = self.lower.min(lower);
-                continue;
-            }
-            let node = &tree.nodes[k as usize];
-            let part = node.part.map(|part| part as usize);
-            let left = match part {
-                Some(part) => self.convex(&tree.parts[part].part, lower),
-                None => Some(lower),
-            };
-            let Some(lower) = left else { continue };
-            match (node.below, part) {
-                (Some(first), _) => {
-                    let [a, b] = [first, first + 1].map(|k| (self.bound(k, lower), k));
-                    let (near, far) = if b.0 < a.0 { (b, a) } else { (a, b) };
-                    open.extend([far, near]);
-                }
-                (None, Some(part)) => {
-                    self.push(lower, Item::Kept(&tree.parts[part]));
-                }
-                (None, None) => {}
-            }
-        }
-    }
-
-    /// The bound of a node: that of its part if it has one, or that of what it is part of.
-    fn bound(&self, k: u32, above: f64) -> f64 {
-        let tree = &self.finder.tree;
-        let node = &tree.nodes[k as usize];
-        let lower = node.hull.distance2(self.p).sqrt().max(above);
-        match node.part {
-            Some(part) if lower < self.limit => {
-                lower.max(tree.parts[part as usize].part.taylor(self.p))
-            }
-            _ => lower,
-        }
-    }
-
-    fn push(&mut self, lower: f64, item: Item<'a>) {
+impl Search<'_> {
+    fn push(&mut self, lower: f64, item: Item) {
         if lower >= self.limit {
             self.lower = self.lower.min(lower);
         } else {
@@ -337,44 +267,67 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Halves what is open, the least lower bound first.
-    fn halve(&mut self) {
-        while let Some(Ranked { rank, item, .. }) = self.heap.pop() {
-            let lower = -rank;
+    fn run(&mut self) {
+        let tree = &self.finder.tree;
+        // What comes before all in the heap, if that is known.
+        let mut next = (!tree.nodes.is_empty()).then(|| (self.bound(0, 0.0), Item::Node(0)));
+        loop {
+            let (lower, item) = match next.take() {
+                Some(next) => next,
+                None => match self.heap.pop() {
+                    Some(Ranked { rank, item, .. }) => (-rank, item),
+                    None => return,
+                },
+            };
             if lower >= self.limit {
                 // All others are no nearer.
                 self.lower = self.lower.min(lower);
                 return;
             }
-            let Some(lower) = self.convex(item.part(), lower) else {
-                continue;
-            };
-            let halves = if self.budget > 0 {
-                self.halves(&item)
-            } else {
-                None
-            };
-            let Some(halves) = halves else {
-                self.lower = self.lower.min(lower);
-                continue;
-            };
-            self.budget -= 1;
-            for half in halves {
-                let lower = half.part().lower(self.p).max(lower);
-                self.push(lower, half);
+            match item {
+                Item::Node(k) => {
+                    let node = &tree.nodes[k as usize];
+                    let part = node.part.map(|part| &tree.parts[part as usize]);
+                    match (node.below, part) {
+                        (Some(first), part) => {
+                            let open = match part {
+                                Some(part) => self.convex(part, lower),
+                                None => Some(lower),
+                            };
+                            if let Some(lower) = open {
+                                next = self.below(first, lower);
+                            }
+                        }
+                        (None, Some(part)) => self.part(part, lower),
+                        (None, None) => {}
+                    }
+                }
+                Item::Part(part) => self.part(&part, lower),
             }
         }
     }
 
-    fn halves(&self, item: &Item<'a>) -> Option<[Item<'a>; 2]> {
-        let shapes = &self.finder.shapes;
-        if let Item::Kept(kept) = item
-            && let Some(halves) = self.finder.tree.halves(kept, shapes)
-        {
-            return halves.map(|[a, b]| [Item::Kept(a), Item::Kept(b)]);
+    /// Puts two nodes into the heap, but for the nearer one if that comes before all.
+    fn below(&mut self, first: u32, above: f64) -> Option<(f64, Item)> {
+        let [a, b] = [first, first + 1].map(|k| (self.bound(k, above), k));
+        let (near, far) = if b.0 < a.0 { (b, a) } else { (a, b) };
+        self.push(far.0, Item::Node(far.1));
+        if self.heap.peek().is_none_or(|top| near.0 <= -top.rank) {
+            return Some((near.0, Item::Node(near.1)));
         }
-        let made = item.part().halves(shapes)?;
-        Some(made.map(|half| Item::Made(Box::new(half))))
+        self.push(near.0, Item::Node(near.1));
+        None
+    }
+
+    /// The bound of a node: that of its part if it has one, or that of what it is part of.
+    fn bound(&self, k: u32, above: f64) -> f64 {
+        let tree = &self.finder.tree;
+        let node = &tree.nodes[k as usize];
+        let lower = node.hull.distance2(self.p).sqrt().max(above);
+        match node.part {
+            Some(part) if lower < self.limit => lower.max(tree.parts[part as usize].lower(self.p)),
+            _ => lower,
+        }
     }
 
     fn improve(&mut self, part: &Part, place: Place) {
@@ -407,5 +360,25 @@ impl<'a> Search<'a> {
             return None;
         }
         Some(least)
+    }
+
+    fn part(&mut self, part: &Part, lower: f64) {
+        let Some(lower) = self.convex(part, lower) else {
+            return;
+        };
+        let halves = if self.budget > 0 {
+            part.halves(&self.finder.shapes)
+        } else {
+            None
+        };
+        let Some(halves) = halves else {
+            self.lower = self.lower.min(lower);
+            return;
+        };
+        self.budget -= 1;
+        for half in halves {
+            let lower = half.lower(self.p).max(lower);
+            self.push(lower, Item::Part(Box::new(half)));
+        }
     }
 }

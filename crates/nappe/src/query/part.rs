@@ -8,12 +8,6 @@
 //! `f ≥ f₀ + g s + ½ μ |s|²`. Where `μ > 0` it is convex over the part, and any place tells how much less `f` can be
 //! elsewhere: `f ≥ f(x) + ∇f(x) (y - x) + ½ μ |s(y) - s(x)|²`.
 //!
-//! A box of parameters is no box of `s`. In half widths of the parameters `x` the second derivative is `Aᵀ (1 + (c - p) · c_ij) A`
-//! less an unknown part, where the columns of A are (α, 0) and (σ, τ), `s` of the corner. As `2 |x y| ≤ t x² + y² / t`, it is no
-//! less than two springs, `k_1 = h_11 - t |h_12|` and `k_2 = h_22 - |h_12| / t`, with the unknown taken from all of
-//! `1 + (c - p) · c_ij`. So `f(x + d) ≥ f(x) + g d + ½ k_1 d_1² + ½ k_2 d_2²`, whose least value over a box is that of two
-//! functions of one variable. This holds from every place x of the part, and whatever the signs of the springs are.
-//!
 //! A curve is treated as if its second parameter led straight into a dimension of its own, so that `s_2` adds `½ s_2²`; it
 //! is always 0.
 
@@ -32,12 +26,11 @@ pub(super) struct Part {
     /// The point in the middle, and the first derivatives times half the widths.
     centre: DVec3,
     first: [DVec3; 2],
-    /// The parameters `s` of the corner where both parameters are greatest: (α, 0) for the first one alone, (σ, τ) for the
-    /// second; and α over the length of that.
-    frame: [f64; 3],
-    aspect: f64,
-    /// How far its points are from the middle.
+    /// The unit normal in the middle.
+    normal: DVec3,
+    /// How far its points are from the middle, and how far its parameters `s` are.
     radius: f64,
+    far: f64,
     /// δ of the module, `c_11`, `c_12` and `c_22`, ρ and N. Without a frame in the middle δ is infinite.
     stretch: f64,
     second: [DVec3; 3],
@@ -115,6 +108,10 @@ const KNOWN: f64 = 0.25;
 pub(super) const EXACTNESS: f64 = 1e-13;
 /// Rounding errors as a share of the terms.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Steps of Newton's method at most; it converges in a few.
+const STEPS: usize = 32;
+/// Halvings of a step that leads up.
+const HALVINGS: usize = 30;
 
 impl Part {
     pub(super) fn new(shapes: &[Shape], surface: u32, uv: [Interval; 2]) -> Self {
@@ -132,6 +129,7 @@ impl Part {
         let shear = if is_curve { 0.0 } else { b.dot(e) };
         let aside = b - e * shear;
         let across = if is_curve { 1.0 } else { aside.length() };
+        let normal = e.cross(aside / across);
         // Derivatives by s: `r_1 = r_u / along`, `r_2 = r_v / across - k r_u` with `k = shear / (along across)`.
         let n = Interval::point;
         let (p, q) = (n(1.0) / n(along), n(1.0) / n(across));
@@ -155,13 +153,9 @@ impl Part {
         let norm =
             |[x, y, z]: [f64; 3]| (x * x + 2.0 * y * y + z * z).sqrt() * (1.0 + 4.0 * f64::EPSILON);
         let (off, bend) = (norm(far_off), norm(sizes));
-        let framed = stretch.is_finite() && bend.is_finite() && along > 0.0 && across > 0.0;
-        let frame = [along * half[0], shear * half[1], across * half[1]];
-        let aspect = if is_curve {
-            1.0
-        } else {
-            frame[0] / frame[1].hypot(frame[2])
-        };
+        // `s = (along du + shear dv, across dv)`.
+        let far = (along * half[0] + shear.abs() * half[1]).hypot(across * half[1]);
+        let framed = stretch.is_finite() && bend.is_finite() && normal.is_finite();
         let around = jet[0] + Box3::point(-centre);
         Self {
             surface,
@@ -169,9 +163,9 @@ impl Part {
             hull: Hull::of(jet[0]),
             centre,
             first: [a * half[0], b * half[1]],
-            frame: if framed { frame } else { [0.0; 3] },
-            aspect: if framed { aspect } else { 1.0 },
+            normal: if framed { normal } else { DVec3::ZERO },
             radius: around.norm().hi,
+            far: far * (1.0 + 4.0 * f64::EPSILON),
             stretch: if framed { stretch } else { f64::INFINITY },
             second: if framed { second } else { [DVec3::ZERO; 3] },
             off: if framed { off } else { 0.0 },
@@ -218,78 +212,49 @@ impl Part {
         ])
     }
 
-    /// `1 + (c - p) · c_ij` for the way from a point to the middle, and all that is unknown of the second derivative of `f`.
-    #[inline]
-    fn hessian(&self, e: DVec3, distance: f64) -> ([f64; 3], f64) {
-        let [x, y, z] = self.second.map(|c| e.dot(c));
-        let rounding = ROUNDING * (1.0 + distance * self.bend);
-        let unknown = self.stretch + distance * self.off + self.radius * self.bend + rounding;
-        ([1.0 + x, y, 1.0 + z], unknown)
-    }
-
     /// μ of the module for the way from a point to the middle.
     #[inline]
-    pub(super) fn curvature(&self, p: DVec3) -> f64 {
-        let e = self.centre - p;
-        let ([x, y, z], unknown) = self.hessian(e, e.length());
-        0.5 * (x + z) - (0.25 * (x - z) * (x - z) + y * y).sqrt() - unknown
-    }
-
-    /// The second derivatives of `f` by both parameters, in half widths, as the middle tells them, and the two springs of the
-    /// module.
-    #[inline]
-    pub(super) fn springs(&self, p: DVec3) -> ([f64; 3], [f64; 2]) {
-        let e = self.centre - p;
-        let ([x, y, z], unknown) = self.hessian(e, e.length());
-        let [a, s, t] = self.frame;
-        let of = |x: f64, z: f64| {
-            [
-                a * a * x,
-                a * (s * x + t * y),
-                s * s * x + 2.0 * s * t * y + t * t * z,
-            ]
-        };
-        let [uu, uv, vv] = of(x - unknown, z - unknown);
-        // The rounding errors of all terms are in what is unknown.
-        let springs = [uu - uv.abs() * self.aspect, vv - uv.abs() / self.aspect];
-        (of(x, z), springs)
+    fn curvature(&self, e: DVec3, distance: f64) -> f64 {
+        let [x, y, z] = self.second.map(|c| e.dot(c));
+        let least = 1.0 + 0.5 * (x + z) - (0.25 * (x - z) * (x - z) + y * y).sqrt();
+        let rounding = ROUNDING * (1.0 + distance * self.bend);
+        least - self.stretch - distance * self.off - self.radius * self.bend - rounding
     }
 
     /// True if the distance of a point is convex over the part.
     pub(super) fn is_convex(&self, p: DVec3) -> bool {
-        self.curvature(p) > 0.0
+        let e = self.centre - p;
+        self.curvature(e, e.length()) > 0.0
     }
 
     /// A lower bound of the distance of a point.
-    pub(super) fn lower(&self, p: DVec3) -> f64 {
-        // NaN tells nothing.
-        self.hull.distance2(p).sqrt().max(self.taylor(p))
-    }
-
-    /// A lower bound from the derivatives alone, without the box; it may be no number.
     #[inline]
-    pub(super) fn taylor(&self, p: DVec3) -> f64 {
-        let all = Interval { lo: -1.0, hi: 1.0 };
-        let (gradient, (_, springs)) = (self.gradient(p), self.springs(p));
-        let gain = |d: usize| lowest(gradient[d], springs[d], all);
-        let square = (self.centre - p).length_squared() * (1.0 - ROUNDING);
-        self.distance(0.5 * square + gain(0) + gain(1), p)
+    pub(super) fn lower(&self, p: DVec3) -> f64 {
+        let least = self.hull.distance2(p).sqrt();
+        let e = self.centre - p;
+        let square = e.length_squared();
+        let slope = e.dot(self.first[0]).abs() + e.dot(self.first[1]).abs();
+        let curvature = self.curvature(e, e.length());
+        let lost = if curvature > 0.0 {
+            let across = e.dot(self.normal);
+            let tangential = (square * (1.0 + ROUNDING) - across * across).max(0.0);
+            slope.min(tangential / (2.0 * curvature))
+        } else {
+            slope - 0.5 * curvature * self.far * self.far
+        };
+        let taylor = self.distance(0.5 * square * (1.0 - ROUNDING) - lost, p);
+        // NaN tells nothing.
+        if taylor > least { taylor } else { least }
     }
 
     /// The distance of half a square, less rounding errors of points.
-    pub(super) fn distance(&self, half_square: f64, p: DVec3) -> f64 {
+    fn distance(&self, half_square: f64, p: DVec3) -> f64 {
         length(half_square) - self.rounding(p)
     }
 
     /// The rounding errors of points of the surface, and of the way to a point.
     pub(super) fn rounding(&self, p: DVec3) -> f64 {
         EXACTNESS * self.largest.max(p.abs().max_element())
-    }
-
-    /// The derivatives of half the squared distance in the middle, by both parameters in half widths.
-    pub(super) fn gradient(&self, p: DVec3) -> [f64; 2] {
-        let e = self.centre - p;
-        self.first.map(|t| e.dot(t))
     }
 
     /// The middle.
@@ -302,6 +267,68 @@ impl Part {
         }
     }
 
+    /// The nearest place over a part where the distance is convex, by Newton's method within the box, and a lower bound of
+    /// the distance over the part. Ends when `enough` is true for half the squared distance and the bound.
+    pub(super) fn nearest(
+        &self,
+        shape: &Shape,
+        p: DVec3,
+        enough: impl Fn(f64, f64) -> bool,
+    ) -> (Place, f64) {
+        let mut uv = self.uv.map(Interval::mid);
+        let (mut best, mut lower) = (self.middle(p), f64::NEG_INFINITY);
+        let mut now = self.tangents(shape, p, uv);
+        for _ in 0..STEPS {
+            if now.half_square < best.half_square {
+                best = Place {
+                    uv,
+                    point: now.point,
+                    half_square: now.half_square,
+                    ..best
+                };
+            }
+            lower = f64::max(lower, self.distance(self.least(&now, uv), p));
+            if enough(best.half_square, lower) {
+                break;
+            }
+            let Some(step) = self.step(&now, uv) else {
+                break;
+            };
+            let mut share = 1.0;
+            let mut next = None;
+            for _ in 0..HALVINGS {
+                let to = [0, 1].map(|d| {
+                    let t = self.uv[d];
+                    (uv[d] + share * step[d]).clamp(t.lo, t.hi)
+                });
+                if to == uv {
+                    break;
+                }
+                let there = self.tangents(shape, p, to);
+                if there.half_square <= now.half_square {
+                    next = Some((to, there));
+                    break;
+                }
+                share *= 0.5;
+            }
+            let Some((to, there)) = next else {
+                break;
+            };
+            (uv, now) = (to, there);
+        }
+        (best, lower)
+    }
+
+    /// The least value of the tangent plane of half the squared distance.
+    fn least(&self, at: &Local, uv: [f64; 2]) -> f64 {
+        // Where the gradient leads out of the box, nothing is lost.
+        let gain = |d: usize| {
+            let (t, g) = (self.uv[d], at.gradient[d]);
+            (g * (t.lo - uv[d])).min(g * (t.hi - uv[d]))
+        };
+        at.half_square + gain(0) + gain(1)
+    }
+
     /// Of a part where the distance is convex: the parameters of all places that are within `reach`, as seen from one of
     /// its places; none if there are none.
     pub(super) fn within(
@@ -312,11 +339,12 @@ impl Part {
         reach: f64,
     ) -> Option<[Interval; 2]> {
         let local = self.tangents(shape, p, at);
-        let least = self.least(&local, at, [0.0; 2]);
+        let least = self.least(&local, at);
         let lower = self.distance(least, p).max(0.0);
         if lower > reach {
             return None;
         }
+        let e = self.centre - p;
         // `½ lower² + ½ μ |s|² ≤ ½ reach²`, with the least value itself instead of `½ lower²` where it is negative, and
         // `s = (along du + shear dv, across dv)`.
         let below = if least < 0.0 {
@@ -325,7 +353,7 @@ impl Part {
         } else {
             0.0
         };
-        let square = ((reach - lower) * (reach + lower) + below) / self.curvature(p);
+        let square = ((reach - lower) * (reach + lower) + below) / self.curvature(e, e.length());
         let radius = square.sqrt() * (1.0 + 1e-12);
         let half = self.uv.map(half_width);
         let [a, b] = [0, 1].map(|d| self.first[d] / half[d]);
@@ -352,22 +380,58 @@ impl Part {
             }
         }))
     }
-}
 
-/// The least of `g x + ½ k x²` over a range that holds 0.
-#[inline]
-pub(super) fn lowest(g: f64, k: f64, range: Interval) -> f64 {
-    let at = |x: f64| x * (g + 0.5 * k * x);
-    let x = -g / k;
-    if k > 0.0 && x > range.lo && x < range.hi {
-        at(x)
-    } else {
-        at(range.lo).min(at(range.hi))
+    fn tangents(&self, shape: &Shape, p: DVec3, uv: [f64; 2]) -> Local {
+        let mut jet = [DVec3::ZERO; jet_len(2)];
+        shape.jet_into(uv, self.uv, 2, &mut jet);
+        let [point, a, b, aa, ab, bb] = jet;
+        let e = point - p;
+        Local {
+            point,
+            half_square: 0.5 * e.length_squared(),
+            gradient: [e.dot(a), e.dot(b)],
+            hessian: [
+                a.dot(a) + e.dot(aa),
+                a.dot(b) + e.dot(ab),
+                b.dot(b) + e.dot(bb),
+            ],
+        }
+    }
+
+    /// Newton's step along the directions that do not lead out of the box.
+    fn step(&self, at: &Local, uv: [f64; 2]) -> Option<[f64; 2]> {
+        let Local {
+            gradient: [g, h],
+            hessian: [uu, uv_, vv],
+            ..
+        } = *at;
+        let held = [0, 1].map(|d| {
+            let (t, g) = (self.uv[d], at.gradient[d]);
+            t.is_point() || (uv[d] <= t.lo && g > 0.0) || (uv[d] >= t.hi && g < 0.0)
+        });
+        let step = match held {
+            [true, true] => return None,
+            [true, false] => [0.0, -h / vv],
+            [false, true] => [-g / uu, 0.0],
+            [false, false] => {
+                let det = uu * vv - uv_ * uv_;
+                [(uv_ * h - vv * g) / det, (uv_ * g - uu * h) / det]
+            }
+        };
+        (step[0].is_finite() && step[1].is_finite()).then_some(step)
     }
 }
 
 /// How far the ends are from the middle, which is rounded too.
-pub(super) fn half_width(t: Interval) -> f64 {
+fn half_width(t: Interval) -> f64 {
     let m = t.mid();
     (m - t.lo).max(t.hi - m).next_up()
+}
+
+/// The distance at a place with its derivatives by u and v.
+struct Local {
+    point: DVec3,
+    half_square: f64,
+    gradient: [f64; 2],
+    hessian: [f64; 3],
 }

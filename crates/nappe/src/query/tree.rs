@@ -6,14 +6,10 @@ use crate::box3::Box3;
 use crate::interval::Interval;
 use crate::parallel;
 use glam::DVec3;
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// About the most parts of a piece that are made beforehand, and how often it is halved: at poles more tells nothing.
 const PARTS: usize = 512;
 const DEPTH: u32 = 12;
-/// So many parts may keep halves that searches need, beside half as many as are made beforehand.
-const ROOM: usize = 2048;
 
 /// A box around some surfaces, pieces or parts.
 #[derive(Clone, Copy, Debug)]
@@ -25,30 +21,12 @@ pub(super) struct Node {
     pub(super) below: Option<u32>,
 }
 
-/// A part, with its halves once a search needed them.
-#[derive(Debug)]
-pub(super) struct Kept {
-    pub(super) part: Part,
-    halves: OnceLock<Option<Box<[Kept; 2]>>>,
-}
-
-impl Kept {
-    fn new(part: Part) -> Self {
-        Self {
-            part,
-            halves: OnceLock::new(),
-        }
-    }
-}
-
 /// All parts, with a tree of boxes over them whose root is the first node: halves of parts, parts of pieces, and pieces of
 /// all surfaces.
 #[derive(Debug)]
 pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
-    pub(super) parts: Vec<Kept>,
-    /// How many more parts may keep their halves.
-    room: AtomicUsize,
+    pub(super) parts: Vec<Part>,
     /// That of the box around all surfaces; where no box encloses them, that around the parts that have one.
     pub(super) diagonal: f64,
 }
@@ -71,7 +49,6 @@ impl Tree {
         let mut tree = Self {
             nodes: Vec::new(),
             parts: Vec::new(),
-            room: AtomicUsize::new(0),
             diagonal,
         };
         if let Some(first) = pieces.first() {
@@ -85,27 +62,7 @@ impl Tree {
         if !bounds.iter().all(|b| b.is_finite()) {
             tree.diagonal = tree.extent();
         }
-        tree.room = AtomicUsize::new(ROOM + tree.parts.len() / 2);
         tree
-    }
-
-    /// The halves of a part, kept for the searches to come, which then find the same; none inside if it is as small as rounding.
-    /// `None` if too many are kept already.
-    #[allow(clippy::option_option)] // As said.
-    pub(super) fn halves<'a>(
-        &self,
-        kept: &'a Kept,
-        shapes: &[Shape],
-    ) -> Option<Option<&'a [Kept; 2]>> {
-        if kept.halves.get().is_none() {
-            let less = |room: usize| room.checked_sub(1);
-            self.room.fetch_update(Relaxed, Relaxed, less).ok()?;
-        }
-        let halves = || {
-            let halves = kept.part.halves(shapes)?;
-            Some(Box::new(halves.map(Kept::new)))
-        };
-        Some(kept.halves.get_or_init(halves).as_deref())
     }
 
     /// The diagonal of the box around all parts, or else around those whose own box is finite.
@@ -166,7 +123,7 @@ impl Tree {
     /// Puts the parts of a piece below a node.
     fn piece(&mut self, node: usize, piece: Divided) {
         let first_part = self.parts.len();
-        self.parts.extend(piece.parts.into_iter().map(Kept::new));
+        self.parts.extend(piece.parts);
         let mut open = vec![(node, 0)];
         while let Some((node, k)) = open.pop() {
             let hull = piece.hulls[k];

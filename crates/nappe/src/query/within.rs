@@ -49,7 +49,7 @@ pub(super) fn within(finder: &Finder, p: DVec3, reach: f64, effort: &Effort) -> 
         if node.hull.distance2(p).sqrt() > reach {
             continue;
         }
-        let part = node.part.map(|part| &tree.parts[part as usize].part);
+        let part = node.part.map(|part| &tree.parts[part as usize]);
         if let Some(part) = part
             && (part.lower(p) > reach || search.convex(part))
         {

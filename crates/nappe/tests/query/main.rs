@@ -4,7 +4,6 @@
 
 mod all;
 mod curves;
-mod million;
 mod nearest;
 mod side;
 
