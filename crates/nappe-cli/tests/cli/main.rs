@@ -12,6 +12,7 @@ mod help;
 mod info;
 mod intersect;
 mod peers;
+mod peers_files;
 mod project;
 mod render;
 mod run;

@@ -170,7 +170,8 @@ fn geometry(
         }
         (Some((m, u)), Some((n, v))) => {
             // Unequal numbers of knots and points are told by the surface, which needs some order of the points.
-            let count = |knots: &[f64], degree: usize| knots.len().saturating_sub(degree.saturating_add(1));
+            let count =
+                |knots: &[f64], degree: usize| knots.len().saturating_sub(degree.saturating_add(1));
             let size = [count(&u, m), count(&v, n)];
             if size[0].checked_mul(size[1]) != Some(points.len()) {
                 return Err(Fault::line(

@@ -4,6 +4,7 @@
 
 mod asked;
 mod corners;
+mod far;
 mod faults;
 mod files;
 mod meant;

@@ -262,7 +262,11 @@ impl<'a> Task<'a> {
                 for e in fresh {
                     if let Ok(flat) = &this.flats[e] {
                         let trace = trace(&this.charts[i], flat);
-                        let coarse = coarse(&this.charts[i], &trace, CHORD * this.tol);
+                        let coarse = if this.is_too_large(i) {
+                            Vec::new()
+                        } else {
+                            coarse(&this.charts[i], &trace, CHORD * this.tol)
+                        };
                         found.push((e, trace, coarse));
                     }
                 }
@@ -314,6 +318,11 @@ impl<'a> Task<'a> {
             next += flat.as_ref().map_or(0, |f| f.points.len() as u32 - 2);
         }
         self.starts.push(next);
+    }
+
+    /// Whether a surface goes so far beyond its face that rounding alone is more than what is allowed.
+    fn is_too_large(&self, face: usize) -> bool {
+        ROUNDING * self.charts[face].size > CHORD * self.tol
     }
 
     /// Whether an edge is no more than its vertex.
@@ -479,8 +488,12 @@ impl<'a> Task<'a> {
     }
 
     fn face(&self, face: usize, shared: &[DVec3]) -> Result<Patch, FaceError> {
-        let mut region = self.region(face)?;
         let chart = &self.charts[face];
+        if self.is_too_large(face) {
+            let deviation = ROUNDING * chart.size;
+            return Err(FaceError::NotReached { deviation });
+        }
+        let mut region = self.region(face)?;
         let allowed = TRIANGLE * self.tol - self.rounding - chart.slit;
         let made = triangulate(chart, &mut region, shared, allowed, self.max);
         let mut triangles = made.map_err(|f| match f {

@@ -1,7 +1,7 @@
 //! The area of a surface.
 
 use super::integral::{
-    Goal, IntegralOptions, Measured, estimate, integrate, is_close, measured, of_patch,
+    Goal, IntegralOptions, Measured, best, estimate, integrate, measured, of_patch,
 };
 use super::taylor::{Patch, Taylor};
 use crate::box3::Box3;
@@ -29,14 +29,7 @@ pub fn area(surface: &dyn Surface, options: &IntegralOptions) -> Measured {
     let found = integrate(&[surface], &integrand, &Goal::one(options))[0][0];
     let sampled = || estimate(surface, 1, &|d| [d[1].cross(d[2]).length()])[0];
     if found.is_finite() {
-        measured(
-            found,
-            if is_close(found) {
-                f64::NAN
-            } else {
-                sampled().value
-            },
-        )
+        measured(found, best(found, options.relative, sampled))
     } else {
         sampled()
     }

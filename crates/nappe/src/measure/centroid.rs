@@ -2,7 +2,7 @@
 
 use super::area::element;
 use super::integral::{
-    Goal, IntegralOptions, Measured, estimate, integrate, is_close, measured, of_patch,
+    Goal, IntegralOptions, Measured, best, estimate, integrate, is_close, measured, of_patch,
 };
 use super::taylor::{Patch, Taylor};
 use crate::box3::Box3;
@@ -112,7 +112,7 @@ pub fn area_centroid(surface: &dyn Surface, options: &IntegralOptions) -> AreaCe
     };
     if area.is_finite() && is_close(area) {
         return AreaCentroid {
-            area: measured(area, f64::NAN),
+            area: measured(area, best(area, options.relative, || sampled()[0])),
             centroid: quotient(reference, area, [x, y, z], true).or_else(anywhere),
         };
     }

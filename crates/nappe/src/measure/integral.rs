@@ -565,6 +565,17 @@ pub(super) fn measured(i: Interval, best: f64) -> Measured {
     }
 }
 
+/// The number for a proven result: the middle of the bound, or samples where the bound has missed its goal and they promise to
+/// be nearer.
+pub(super) fn best(i: Interval, relative: f64, sampled: impl FnOnce() -> Measured) -> f64 {
+    if i.width() <= 2.0 * relative * i.mag() {
+        return f64::NAN;
+    }
+    let sampled = sampled();
+    let is_nearer = !is_close(i) || sampled.certainty.error() < 0.5 * i.width();
+    if is_nearer { sampled.value } else { f64::NAN }
+}
+
 /// A bound wider than this share says less about an integral than samples do: they give the number, the bound its error.
 const LOOSE: f64 = 0.01;
 

@@ -341,7 +341,11 @@ impl Places {
         let c = self.cell(ends);
         let mut found = Vec::new();
         for k in 0..27 {
-            let next = [c[0] + k % 3 - 1, c[1] + k / 3 % 3 - 1, c[2] + k / 9 - 1];
+            let next = [
+                c[0] + (k % 3 - 1),
+                c[1] + (k / 3 % 3 - 1),
+                c[2] + (k / 9 - 1),
+            ];
             found.extend(self.cells.get(&next).into_iter().flatten());
         }
         found.sort_unstable();
