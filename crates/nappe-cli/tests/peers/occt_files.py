@@ -7,7 +7,6 @@ enclose, and for each face its name, its area, how far that is from converged, a
 code 3: Open CASCADE is not installed (`pip install cadquery-ocp`)."""
 
 import json
-import math
 import sys
 
 from rules import gauss
