@@ -121,20 +121,15 @@ def run_geomdl():
     emit("geomdl", "T3", len(uv), best(lambda: [b.derivatives(u, v, 1) for u, v in uv], 2), "derivatives, point by point")
 
 
-def run_occt():
+def occt_bicubic(poles):
+    """The surface of the inputs with other control points, rows along u."""
     from OCP.Geom import Geom_BSplineSurface
-    from OCP.gp import gp_Pnt, gp_Vec
+    from OCP.gp import gp_Pnt
     try:  # version 8 and later
         from OCP.collections import Array1_double, Array1_int, Array2_gp_Pnt
     except ImportError:
         from OCP.TColgp import TColgp_Array2OfPnt as Array2_gp_Pnt
         from OCP.TColStd import TColStd_Array1OfInteger as Array1_int, TColStd_Array1OfReal as Array1_double
-
-    s = load("bicubic")
-    poles = Array2_gp_Pnt(1, 20, 1, 20)
-    for i, row in enumerate(s["points"]):
-        for j, p in enumerate(row):
-            poles.SetValue(i + 1, j + 1, gp_Pnt(*p))
 
     def knots(all_knots):
         distinct = sorted(set(all_knots))
@@ -144,8 +139,19 @@ def run_occt():
             counts.SetValue(i + 1, all_knots.count(k))
         return values, counts
 
+    s = load("bicubic")
     (ku, mu), (kv, mv) = knots(s["knots_u"]), knots(s["knots_v"])
-    b = Geom_BSplineSurface(poles, ku, kv, mu, mv, 3, 3)
+    net = Array2_gp_Pnt(1, 20, 1, 20)
+    for i, row in enumerate(poles):
+        for j, p in enumerate(row):
+            net.SetValue(i + 1, j + 1, gp_Pnt(*p))
+    return Geom_BSplineSurface(net, ku, kv, mu, mv, 3, 3)
+
+
+def run_occt():
+    from OCP.gp import gp_Pnt, gp_Vec
+
+    b = occt_bicubic(load("bicubic")["points"])
     uv = scattered()
     p, d = gp_Pnt(), [gp_Vec() for _ in range(5)]
     emit("OCCT (Python)", "T1", len(uv), best(lambda: [b.D0(u, v, p) for u, v in uv]), "Geom_BSplineSurface.D0, point by point")
@@ -182,35 +188,15 @@ def files_occt(path):
     """STEP out and in: the surface of the inputs at 1000 places, as in `crates/nappe-exchange/benches/files`."""
     from OCP.BRep import BRep_Builder
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace
-    from OCP.Geom import Geom_BSplineSurface
-    from OCP.gp import gp_Pnt
     from OCP.STEPControl import STEPControl_AsIs, STEPControl_Reader, STEPControl_Writer
     from OCP.TopoDS import TopoDS_Compound
-    try:  # version 8 and later
-        from OCP.collections import Array1_double, Array1_int, Array2_gp_Pnt
-    except ImportError:
-        from OCP.TColgp import TColgp_Array2OfPnt as Array2_gp_Pnt
-        from OCP.TColStd import TColStd_Array1OfInteger as Array1_int, TColStd_Array1OfReal as Array1_double
 
-    s = load("bicubic")
-
-    def knots(all_knots):
-        distinct = sorted(set(all_knots))
-        values, counts = Array1_double(1, len(distinct)), Array1_int(1, len(distinct))
-        for i, k in enumerate(distinct):
-            values.SetValue(i + 1, k)
-            counts.SetValue(i + 1, all_knots.count(k))
-        return values, counts
-
-    (ku, mu), (kv, mv) = knots(s["knots_u"]), knots(s["knots_v"])
+    points = load("bicubic")["points"]
     all_faces, builder = TopoDS_Compound(), BRep_Builder()
     builder.MakeCompound(all_faces)
     for n in range(1000):
-        poles = Array2_gp_Pnt(1, 20, 1, 20)
-        for i, row in enumerate(s["points"]):
-            for j, p in enumerate(row):
-                poles.SetValue(i + 1, j + 1, gp_Pnt(p[0] + 20.0 * n, p[1], p[2]))
-        builder.Add(all_faces, BRepBuilderAPI_MakeFace(Geom_BSplineSurface(poles, ku, kv, mu, mv, 3, 3), 1e-7).Face())
+        surface = occt_bicubic([[(p[0] + 20.0 * n, p[1], p[2]) for p in row] for row in points])
+        builder.Add(all_faces, BRepBuilderAPI_MakeFace(surface, 1e-7).Face())
 
     def write():
         writer = STEPControl_Writer()

@@ -6,7 +6,7 @@ use crate::screen::Screen;
 use nappe::curve::CurveRef;
 use nappe::expr::nearest;
 use nappe::surface::SurfaceRef;
-use nappe_model::{Model, NamedSurface, Overrides};
+use nappe_model::{Model, NamedSurface, Overrides, Velocities};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -46,6 +46,18 @@ impl ModelArgs {
             overrides.set_from(text).map_err(Failure::usage)?;
         }
         Ok(overrides)
+    }
+
+    /// How its objects move with each of some parameters.
+    pub(crate) fn velocities(
+        &self,
+        model: &Model,
+        parameters: &[String],
+    ) -> Result<Vec<Velocities>, Failure> {
+        let overrides = self.overrides()?;
+        let one = |p: &String| nappe_model::velocities(model, &overrides, p);
+        let all: Result<_, _> = parameters.iter().map(one).collect();
+        all.map_err(|d| Failure::Model(Box::new(d)))
     }
 
     /// Reads and builds the model, and shows what should be known about it.

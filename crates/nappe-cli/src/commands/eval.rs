@@ -119,17 +119,16 @@ impl Args {
         }
         Ok(())
     }
+
     /// How the target moves with each parameter that is asked for.
     fn rates(
         &self,
         model: &Model,
         target: &Target,
     ) -> Result<Vec<(String, Option<Target>)>, Failure> {
-        let overrides = self.model.overrides()?;
+        let each = self.model.velocities(model, &self.sensitivity)?;
         let mut rates = Vec::new();
-        for parameter in &self.sensitivity {
-            let all = nappe_model::velocities(model, &overrides, parameter)
-                .map_err(|d| Failure::Model(Box::new(d)))?;
+        for (parameter, all) in self.sensitivity.iter().zip(each) {
             let named = |name: &str| format!("{name} by {parameter}");
             let rate = match target {
                 Target::Curve(name, _) => {

@@ -21,7 +21,7 @@ use nappe::measure::{
 use nappe::mesh::{Certainty, Joints, joints};
 use nappe::surface::{Dir, Side, SurfaceRef};
 use nappe_exchange::Format;
-use nappe_model::{Model, NamedSurface, Velocities};
+use nappe_model::{Model, NamedSurface};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -101,7 +101,7 @@ impl Args {
         }
         refuse_other_formats(&self.model)?;
         let model = self.model.open(screen)?;
-        let velocities = self.velocities(&model)?;
+        let velocities = self.model.velocities(&model, &self.sensitivity)?;
         let facts = Facts::of(&model, self.bending, screen);
         let rates: Vec<Rates> = velocities
             .iter()
@@ -138,16 +138,6 @@ impl Args {
         }
         let text = info_file::report(self.model.path(), self.format, screen)?;
         Ok(io::stdout().lock().write_all(text.as_bytes())?)
-    }
-
-    /// How the objects move with each parameter that is asked for.
-    fn velocities(&self, model: &Model) -> Result<Vec<Velocities>, Failure> {
-        let overrides = self.model.overrides()?;
-        let each = self.sensitivity.iter();
-        each.map(|p| {
-            nappe_model::velocities(model, &overrides, p).map_err(|d| Failure::Model(Box::new(d)))
-        })
-        .collect()
     }
 }
 

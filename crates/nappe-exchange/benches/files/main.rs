@@ -147,12 +147,7 @@ fn measured(dir: &Path) -> Vec<Row> {
         out.write_all(&bytes).unwrap();
         out.sync_all().unwrap();
     });
-    let read = best(RUNS, FACES, || {
-        drop(black_box(step::read(&fs::read(&path).unwrap()).unwrap()))
-    });
-    let pass = best(RUNS, FACES, || {
-        black_box(black_box(&bytes).iter().filter(|b| **b == b';').count());
-    });
+    let [read, pass] = reading(&path, &bytes);
     let size = bytes.len() as f64 / 1e6;
     let row = |task, what: &str, ns, limit| Row {
         task,
@@ -165,6 +160,17 @@ fn measured(dir: &Path) -> Vec<Row> {
         row("T9 out", "out", write, plain),
         row("T9 in", "in", read, pass),
     ]
+}
+
+/// What it takes to read a file, and to search through its bytes for semicolons.
+fn reading(path: &Path, bytes: &[u8]) -> [f64; 2] {
+    let read = best(RUNS, FACES, || {
+        drop(black_box(step::read(&fs::read(path).unwrap()).unwrap()))
+    });
+    let pass = best(RUNS, FACES, || {
+        black_box(black_box(bytes).iter().filter(|b| **b == b';').count());
+    });
+    [read, pass]
 }
 
 /// What Open CASCADE takes for the same faces, where it is installed, and what we take for its file.
@@ -193,12 +199,7 @@ fn peers(rows: &mut Vec<Row>, dir: &Path) {
     let Ok(bytes) = fs::read(&theirs) else {
         return;
     };
-    let read = best(RUNS, FACES, || {
-        drop(black_box(step::read(&fs::read(&theirs).unwrap()).unwrap()))
-    });
-    let pass = best(RUNS, FACES, || {
-        black_box(black_box(&bytes).iter().filter(|b| **b == b';').count());
-    });
+    let [read, pass] = reading(&theirs, &bytes);
     let size = bytes.len() as f64 / 1e6;
     let kind = format!("STEP in, the same as the other kernel writes it, {size:.0} MB");
     let peers = rows

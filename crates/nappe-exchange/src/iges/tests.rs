@@ -532,13 +532,22 @@ fn boundaries_of_arcs_come_back() {
             closed: false,
         }],
     };
+    let back = trimmed(body);
+    let figures = nappe::body::figures(self::body(&back, 0)).unwrap();
+    let area = figures.areas[0].as_ref().unwrap().value;
+    assert!((area - 0.75).abs() < 1e-9, "{area}");
+}
+
+/// A body written as trimmed surfaces and read again.
+fn trimmed(body: Body) -> Document {
+    let form = ItemForm::Body {
+        body,
+        faces: Vec::new(),
+    };
     let item = Item {
         name: String::new(),
         colour: None,
-        form: ItemForm::Body {
-            body,
-            faces: Vec::new(),
-        },
+        form,
     };
     let d = Document {
         items: vec![item],
@@ -550,9 +559,7 @@ fn boundaries_of_arcs_come_back() {
     };
     let back = read(&text(&d, &options).unwrap().0).unwrap();
     assert!(back.left_out.is_empty(), "{:?}", back.left_out);
-    let figures = nappe::body::figures(self::body(&back, 0)).unwrap();
-    let area = figures.areas[0].as_ref().unwrap().value;
-    assert!((area - 0.75).abs() < 1e-9, "{area}");
+    back
 }
 
 /// 144 has no mark for a face against its surface, and takes the first border as the outer one: area, normal and hole of
@@ -604,32 +611,15 @@ fn trimmed_surfaces_keep_their_side_and_their_holes() {
         if !forward {
             face.turn();
         }
-        let form = ItemForm::Body {
-            body: Body {
-                vertices,
-                edges,
-                faces: vec![face],
-                shells: vec![Shell {
-                    faces: vec![(0, kept)],
-                    closed: false,
-                }],
-            },
-            faces: Vec::new(),
-        };
-        let d = Document {
-            items: vec![Item {
-                name: String::new(),
-                colour: None,
-                form,
+        let back = trimmed(Body {
+            vertices,
+            edges,
+            faces: vec![face],
+            shells: vec![Shell {
+                faces: vec![(0, kept)],
+                closed: false,
             }],
-            ..Document::default()
-        };
-        let options = IgesOptions {
-            tolerance: 1e-9,
-            trimmed: true,
-        };
-        let back = read(&text(&d, &options).unwrap().0).unwrap();
-        assert!(back.left_out.is_empty(), "{:?}", back.left_out);
+        });
         let b = body(&back, 0);
         let figures = nappe::body::figures(b).unwrap();
         assert!(figures.turned_round.is_empty());

@@ -42,7 +42,7 @@ fn patch(seed: u64, degree: [usize; 2], scale: f64, shift: DVec3) -> NurbsSurfac
     NurbsSurface::bezier(p + 1, &points, None).unwrap()
 }
 
-/// A side of a Bézier surface (m = 0) or the derivative across it (m = 1), as a Bézier curve.
+/// A side of a Bézier surface (m = 0) or the m-th derivative across it, as a Bézier curve.
 fn boundary(s: &NurbsSurface, side: Side, m: usize) -> CurveRef {
     let [rows, columns] = s.size();
     let net = s.control_points();
@@ -52,19 +52,25 @@ fn boundary(s: &NurbsSurface, side: Side, m: usize) -> CurveRef {
     } else {
         (columns, rows)
     };
+    // The d-th point from the side.
     let at = |k: usize, d: usize| {
-        if along_u {
-            net[k * columns + d]
+        let d = if side.is_upper() { depth - 1 - d } else { d };
+        net[if along_u {
+            k * columns + d
         } else {
-            net[d * columns + k]
-        }
+            d * columns + k
+        }]
     };
+    let inwards = if side.is_upper() { -1.0 } else { 1.0 };
+    let degree = depth - 1;
     let points: Vec<DVec3> = (0..length)
-        .map(|k| match (m, side.is_upper()) {
-            (0, false) => at(k, 0),
-            (0, true) => at(k, depth - 1),
-            (_, false) => (at(k, 1) - at(k, 0)) * (depth - 1) as f64,
-            (_, true) => (at(k, depth - 1) - at(k, depth - 2)) * (depth - 1) as f64,
+        .map(|k| match m {
+            0 => at(k, 0),
+            1 => (at(k, 1) - at(k, 0)) * (inwards * degree as f64),
+            _ => {
+                let by = (degree * (degree - 1)) as f64;
+                ((at(k, 2) - at(k, 1)) - (at(k, 1) - at(k, 0))) * by
+            }
         })
         .collect();
     Arc::new(NurbsCurve::bezier(&points, None).unwrap())

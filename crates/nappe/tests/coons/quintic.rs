@@ -11,35 +11,10 @@ fn quintic() -> CoonsOptions {
     }
 }
 
-/// The second derivative across a side of a Bézier surface, as a Bézier curve.
-fn second(s: &NurbsSurface, side: Side) -> CurveRef {
-    let [rows, columns] = s.size();
-    let net = s.control_points();
-    let along_u = side.along() == Dir::U;
-    let (length, depth) = if along_u {
-        (rows, columns)
-    } else {
-        (columns, rows)
-    };
-    let at = |k: usize, d: usize| {
-        let d = if side.is_upper() { depth - 1 - d } else { d };
-        net[if along_u {
-            k * columns + d
-        } else {
-            d * columns + k
-        }]
-    };
-    let by = ((depth - 1) * (depth - 2)) as f64;
-    let points: Vec<DVec3> = (0..length)
-        .map(|k| ((at(k, 2) - at(k, 1)) - (at(k, 1) - at(k, 0))) * by)
-        .collect();
-    Arc::new(NurbsCurve::bezier(&points, None).unwrap())
-}
-
 fn all_given(s: &NurbsSurface) -> CoonsOptions {
     CoonsOptions {
         cross: given(s),
-        second: Side::ALL.map(|side| Some(second(s, side))),
+        second: Side::ALL.map(|side| Some(boundary(s, side, 2))),
         ..quintic()
     }
 }
@@ -77,7 +52,7 @@ fn all_cross_derivatives_are_interpolated() {
         for (m, want) in [
             boundary(&source, side, 0),
             boundary(&source, side, 1),
-            second(&source, side),
+            boundary(&source, side, 2),
         ]
         .iter()
         .enumerate()
@@ -136,7 +111,7 @@ fn every_one_of_the_36_conditions_is_checked_and_named() {
                 let c = match m {
                     0 => boundary(&source, side, 0),
                     1 => boundary(&source, side, 1),
-                    _ => second(&source, side),
+                    _ => boundary(&source, side, 2),
                 };
                 let mut points = c.to_nurbs().unwrap().control_points();
                 points[if end == 0 { index } else { 5 - index }] += delta;
@@ -193,7 +168,7 @@ fn with_other_second(scale: f64, twists: IncompatibleTwists) -> (NurbsSurface, C
         incompatible_twists: twists,
         ..all_given(&source)
     };
-    let mut points = second(&source, Side::South)
+    let mut points = boundary(&source, Side::South, 2)
         .to_nurbs()
         .unwrap()
         .control_points();
@@ -246,7 +221,7 @@ fn what_the_blending_cannot_keep_is_refused() {
             blend,
             ..CoonsOptions::default()
         };
-        options.second[1] = Some(second(&source, Side::North));
+        options.second[1] = Some(boundary(&source, Side::North, 2));
         let e = coons(&sides(&source), &options).unwrap_err();
         assert_eq!(e, CoonsError::SecondNotKept { side: Side::North });
     }
