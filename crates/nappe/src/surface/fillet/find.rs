@@ -26,6 +26,9 @@ const BALLS: usize = 64;
 const CUT: f64 = 1e-9;
 /// How well nearest points are looked for, relative to the size: they are only where Newton's method starts.
 const NEAR: f64 = 1e-5;
+/// The effort for one of them. Most take some tens of halves; beside a surface that is larger by a factor of 10⁶ rounding keeps
+/// all from that, and thousands of points would each take the whole budget.
+const EFFORT: usize = 300;
 
 /// Looks for balls between two surfaces.
 pub(super) struct Search<'a> {
@@ -46,6 +49,7 @@ impl<'a> Search<'a> {
     pub(super) fn new(supports: &'a Supports, size: f64) -> Option<Self> {
         let options = FinderOptions {
             tol: Some(NEAR * size),
+            budget: EFFORT,
             ..Default::default()
         };
         let side = |index: usize| {
