@@ -8,6 +8,7 @@
 //! x86-64 has AVX-512 and AVX2 kernels beside the plain one. Elsewhere the plain one runs, compiled for what every
 //! machine of the target has: on aarch64 that includes NEON, whose registers of two numbers the compiler fills by itself.
 
+use nappe_stream::{Base, Part, Stores};
 use pulp::bytemuck::Pod;
 #[cfg(target_arch = "x86_64")]
 use pulp::{
@@ -26,8 +27,11 @@ pub(crate) trait Registers: Copy {
     /// [`Self::LANES`] numbers in a register.
     type Register: Copy;
     /// The same in memory.
-    type Array: Pod;
+    type Array: Pod + Part;
     const LANES: usize = size_of::<Self::Array>() / size_of::<f64>();
+    /// Stores of a register past the caches.
+    type Stores: Stores<Self::Array>;
+    fn stores(self) -> Self::Stores;
     /// All whole registers of a slice.
     fn arrays(x: &[f64]) -> &[Self::Array];
     fn arrays_mut(x: &mut [f64]) -> &mut [Self::Array];
@@ -43,6 +47,16 @@ pub(crate) trait Registers: Copy {
         b: Self::Register,
     ) -> Self::Register {
         self.add(sum, self.mul(a, b))
+    }
+    /// `sum + a b`, rounded once where the machine can: for what decides, not for results.
+    #[inline(always)]
+    fn add_product_fused(
+        self,
+        sum: Self::Register,
+        a: Self::Register,
+        b: Self::Register,
+    ) -> Self::Register {
+        self.add_product(sum, a, b)
     }
     fn add(self, a: Self::Register, b: Self::Register) -> Self::Register;
     fn sub(self, a: Self::Register, b: Self::Register) -> Self::Register;
@@ -61,6 +75,8 @@ pub(crate) trait Registers: Copy {
         self.div(a, b)
     }
     fn abs(self, a: Self::Register) -> Self::Register;
+    /// In each lane the greater one; b where one is NaN.
+    fn max(self, a: Self::Register, b: Self::Register) -> Self::Register;
     /// True if `a > b` in all lanes.
     fn all_greater(self, a: Self::Register, b: Self::Register) -> bool;
     /// In lanes where `a > b` the first of two numbers, else the second one.
@@ -95,6 +111,11 @@ pub(crate) struct Plain;
 impl Registers for Plain {
     type Register = [f64; 4];
     type Array = [f64; 4];
+    type Stores = Base;
+    #[inline(always)]
+    fn stores(self) -> Base {
+        Base
+    }
     #[inline(always)]
     fn arrays(x: &[f64]) -> &[[f64; 4]] {
         x.as_chunks().0
@@ -140,6 +161,10 @@ impl Registers for Plain {
         a.map(f64::abs)
     }
     #[inline(always)]
+    fn max(self, a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|l| if a[l] > b[l] { a[l] } else { b[l] })
+    }
+    #[inline(always)]
     fn all_greater(self, a: [f64; 4], b: [f64; 4]) -> bool {
         (a[0] > b[0]) & (a[1] > b[1]) & (a[2] > b[2]) & (a[3] > b[3])
     }
@@ -175,6 +200,11 @@ pub(crate) struct Single;
 impl Registers for Single {
     type Register = f64;
     type Array = [f64; 1];
+    type Stores = Base;
+    #[inline(always)]
+    fn stores(self) -> Base {
+        Base
+    }
     #[inline(always)]
     fn arrays(x: &[f64]) -> &[[f64; 1]] {
         x.as_chunks().0
@@ -220,6 +250,10 @@ impl Registers for Single {
         a.abs()
     }
     #[inline(always)]
+    fn max(self, a: f64, b: f64) -> f64 {
+        if a > b { a } else { b }
+    }
+    #[inline(always)]
     fn all_greater(self, a: f64, b: f64) -> bool {
         a > b
     }
@@ -240,9 +274,14 @@ impl Registers for Single {
 /// The operations of x86-64 that only differ in their names.
 #[cfg(target_arch = "x86_64")]
 macro_rules! x86 {
-    ($register:ident, $lanes:literal, $set:ident, $splat:ident $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident) => {
+    ($register:ident, $lanes:literal, $set:ident, $splat:ident $add:ident $sub:ident $mul:ident $div:ident $sqrt:ident $max:ident) => {
         type Register = std::arch::x86_64::$register;
         type Array = [f64; $lanes];
+        type Stores = Self;
+        #[inline(always)]
+        fn stores(self) -> Self {
+            self
+        }
         #[inline(always)]
         fn arrays(x: &[f64]) -> &[Self::Array] {
             x.as_chunks().0
@@ -283,13 +322,26 @@ macro_rules! x86 {
         fn sqrt(self, a: Self::Register) -> Self::Register {
             self.$set.$sqrt(a)
         }
+        #[inline(always)]
+        fn max(self, a: Self::Register, b: Self::Register) -> Self::Register {
+            self.$set.$max(a, b)
+        }
     };
 }
 
 #[cfg(target_arch = "x86_64")]
 impl Registers for V3 {
-    x86!(__m256d, 4, avx, _mm256_set1_pd _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd);
+    x86!(__m256d, 4, avx, _mm256_set1_pd _mm256_add_pd _mm256_sub_pd _mm256_mul_pd _mm256_div_pd _mm256_sqrt_pd _mm256_max_pd);
 
+    #[inline(always)]
+    fn add_product_fused(
+        self,
+        sum: Self::Register,
+        a: Self::Register,
+        b: Self::Register,
+    ) -> Self::Register {
+        self.fma._mm256_fmadd_pd(a, b, sum)
+    }
     #[inline(always)]
     fn abs(self, a: Self::Register) -> Self::Register {
         self.avx._mm256_andnot_pd(self.splat(-0.0), a)
@@ -340,8 +392,17 @@ impl Registers for V3 {
 
 #[cfg(target_arch = "x86_64")]
 impl Registers for V4 {
-    x86!(__m512d, 8, avx512f, _mm512_set1_pd _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_sqrt_pd);
+    x86!(__m512d, 8, avx512f, _mm512_set1_pd _mm512_add_pd _mm512_sub_pd _mm512_mul_pd _mm512_div_pd _mm512_sqrt_pd _mm512_max_pd);
 
+    #[inline(always)]
+    fn add_product_fused(
+        self,
+        sum: Self::Register,
+        a: Self::Register,
+        b: Self::Register,
+    ) -> Self::Register {
+        self.avx512f._mm512_fmadd_pd(a, b, sum)
+    }
     /// Eight divisions take sixteen cycles, five fused multiply-adds two and a half. By a theorem of Markstein
     /// (Handbook of Floating-Point Arithmetic, 2nd ed., 4.7.1) `q + (a - q b) inverse`, fused, is the rounded quotient
     /// if q is within a unit in the last place and the inverse is rounded to nearest; `a inverse` may be off by one
@@ -452,6 +513,12 @@ impl<R: Registers> Lanes<R> {
         Self(self.0, self.0.sqrt(self.1))
     }
 
+    /// [`Registers::add_product_fused`].
+    #[inline(always)]
+    pub(crate) fn plus_fused(self, a: Self, b: Self) -> Self {
+        Self(self.0, self.0.add_product_fused(self.1, a.1, b.1))
+    }
+
     /// [`Registers::div_by`].
     #[inline(always)]
     pub(crate) fn div_by(self, other: Self, inverse: Self) -> Self {
@@ -477,7 +544,7 @@ impl<R: Registers> Lanes<R> {
     /// In each lane the greater one; `other` where one is NaN.
     #[inline(always)]
     pub(crate) fn max(self, other: Self) -> Self {
-        self.where_greater(other, [self, other])
+        Self(self.0, self.0.max(self.1, other.1))
     }
 
     /// In lanes that are greater than those of `other` the first of two numbers, else the second one.

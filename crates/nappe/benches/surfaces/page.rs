@@ -27,7 +27,7 @@ const BOUNDS: &str = "
 
 * **T1, T4, grid**: writing, and one short sum of products a point, eight columns at a time with AVX-512, four with AVX2.
   Results of 16 MB and more go past the caches, which takes less than the fill they are compared with: that reads each
-  line before it writes it. They do so while the next row is computed. Smaller ones cost the sums, and the divisions of
+  line before it writes it. They do so while the next strip of a row is computed. Smaller ones cost the sums, and the divisions of
   rational surfaces. The sides
   are evaluated n + m times by the exact formulas, eight parameters at a time, which counts for small grids and for kinds
   made of curves: a side that takes half a microsecond a point costs half a nanosecond a point of a grid of 1000 × 1000.

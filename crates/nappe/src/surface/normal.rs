@@ -84,27 +84,35 @@ pub(crate) fn normal_from<S: Surface + ?Sized>(
     Tangents::new(surface, uv, limit, width).normal()
 }
 
-/// True if the tangents surely span a plane by [`normal_at`]'s rule in all lanes, from the squared lengths of their cross
-/// product, of both (over the width of the piece) and of the point.
+/// True if the tangents surely span a plane by [`normal_at`]'s rule in all lanes: from the squared length of their cross
+/// product, both (over the width of the piece) and the point. The roundings of what it computes may differ between
+/// machines; the rule has room for them.
 #[inline(always)]
 pub(super) fn all_plain<R: Registers>(
     cross: Lanes<R>,
-    a: Lanes<R>,
-    b: Lanes<R>,
-    point: Lanes<R>,
+    a: &[Lanes<R>; 3],
+    b: &[Lanes<R>; 3],
+    point: &[Lanes<R>; 3],
 ) -> bool {
-    /// Squares outside lose digits or overflow.
-    const RANGE: [f64; 2] = [1e-250, 1e250];
-    // Twice the limits: rounding decides nothing.
+    /// Squares of lengths outside lose digits or overflow: that of the cross product is at most the product of the others.
+    const LEAST: f64 = 1e-250;
+    const MOST: f64 = 1e125;
     let of = |x| Lanes::splat(cross.0, x);
-    let plain = of(4.0 * PLAIN * PLAIN);
-    let rounding = of(4.0 * WELL_ABOVE_ROUNDING * WELL_ABOVE_ROUNDING) * point;
-    cross.exceeds(plain * a * a)
-        & cross.exceeds(plain * b * b)
-        & a.exceeds(rounding)
-        & b.exceeds(rounding)
-        & cross.exceeds(of(RANGE[0]))
-        & of(RANGE[1]).exceeds(cross)
+    // At least the longer one's square, and its product with the shorter one's is at least that of the cross product.
+    let both = square_fused(a, Some(square_fused(b, None)));
+    // Twice the limits: rounding decides nothing.
+    let plain = of(4.0 * PLAIN * PLAIN) * both;
+    let rounding = of(4.0 * WELL_ABOVE_ROUNDING * WELL_ABOVE_ROUNDING) * square_fused(point, None);
+    // Where something is not a number, so is the bound.
+    let bound = of(LEAST).max(plain.max(rounding) * both);
+    cross.exceeds(bound) & of(MOST).exceeds(both)
+}
+
+/// The square of a length, added to a sum.
+#[inline(always)]
+fn square_fused<R: Registers>(x: &[Lanes<R>; 3], sum: Option<Lanes<R>>) -> Lanes<R> {
+    let first = sum.map_or(x[0] * x[0], |sum| sum.plus_fused(x[0], x[0]));
+    first.plus_fused(x[1], x[1]).plus_fused(x[2], x[2])
 }
 
 /// Taylor coefficients of both tangents at a point, in parameters that run over `[0, 1]` in the piece: all vectors are

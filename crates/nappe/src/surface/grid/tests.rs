@@ -1,8 +1,10 @@
+use super::columns::COLUMNS;
 use super::*;
 use crate::basis::{BSplineBasis, FunctionsRef};
 use crate::exact::NurbsSurface;
 use crate::laws::Random;
-use crate::surface::{Term, Torus, TorusOptions, jet_len, pairs};
+use crate::surface::{Core, Term, Torus, TorusOptions, jet_len, normal_at, pairs};
+use glam::DVec4;
 use std::sync::Arc;
 
 const COUNTS: [usize; 2] = [6, 7];
@@ -132,7 +134,7 @@ fn all_instruction_sets_give_the_bits_of_single_points() {
                     for large in [usize::MAX, 0] {
                         let mut out = vec![DVec3::ZERO; uv.len() * each];
                         let (u, v) = (&u, &v);
-                        Places::of(&mut out, large, |out| {
+                        Places::of(&mut out, 3 * each, large, |out| {
                             jets_on(set, Grid { surface, u, v, out }, order);
                         });
                         for (out, &uv) in out.chunks_exact(each).zip(&uv) {
@@ -144,7 +146,7 @@ fn all_instruction_sets_give_the_bits_of_single_points() {
                 for large in [usize::MAX, 0] {
                     let mut out = vec![[DVec3::ZERO; 2]; uv.len()];
                     let (u, v) = (&u, &v);
-                    Places::of(out.as_flattened_mut(), large, |out| {
+                    Places::of(out.as_flattened_mut(), 6, large, |out| {
                         normals_on(set, Grid { surface, u, v, out });
                     });
                     for (out, &uv) in out.iter().zip(&uv) {
