@@ -13,7 +13,7 @@ mod peers;
 mod round;
 #[path = "../shared/mod.rs"]
 mod shared;
-mod speed;
+mod swept;
 
 use nappe::body::sew;
 use nappe::surface::SurfaceRef;

@@ -161,6 +161,7 @@ impl<'s, 'a> Builder<'s, 'a> {
         let border = Border {
             edges: &edges,
             points: &points,
+            tolerance: self.space.uncertainty,
         };
         let (surface, flipped) = expanse
             .cover(&border)

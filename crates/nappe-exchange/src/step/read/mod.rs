@@ -12,6 +12,7 @@ mod scan;
 mod splines;
 mod styles;
 mod surfaces;
+mod sweep;
 mod text;
 mod units;
 mod value;

@@ -8,8 +8,8 @@ use nappe::body::{Body, Loop};
 use nappe::exact::{to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
 use nappe::mesh::Certainty;
 use nappe::parallel;
-use nappe::surface::{Elementary, Surface};
-use nappe::{Curve, NurbsCurve, NurbsSurface};
+use nappe::surface::{Elementary, Surface, Swept};
+use nappe::{Curve, Frame, NurbsCurve, NurbsSurface};
 
 /// Distinct knots and how often each occurs.
 pub(super) struct Knots {
@@ -50,6 +50,19 @@ pub(super) enum CurveShape {
 /// What a surface goes out as.
 pub(super) enum SurfaceShape {
     Elementary(Elementary),
+    /// A curve turned about the axis of a frame. Whether the normal is that of the given surface, which the direction of the
+    /// turn × that of the curve has.
+    Turned {
+        curve: SplineCurve,
+        axis: Frame,
+        same: bool,
+    },
+    /// A curve moved by a vector. The normal is the direction of the curve × the vector.
+    Moved {
+        curve: SplineCurve,
+        along: DVec3,
+        same: bool,
+    },
     Spline(SplineSurface),
 }
 
@@ -70,7 +83,9 @@ pub(super) struct Forms {
 
 impl Forms {
     pub(super) fn surface(&mut self, face: usize) -> Form<SurfaceShape> {
-        self.surfaces[face].take().expect("each face is written once")
+        self.surfaces[face]
+            .take()
+            .expect("each face is written once")
     }
 
     pub(super) fn curve(&mut self, edge: usize) -> Form<CurveShape> {
@@ -172,16 +187,38 @@ fn curve(curve: &dyn Curve, tol: f64) -> Result<Form<CurveShape>, WriteError> {
     Ok(Form { shape, certainty })
 }
 
-/// A surface as what it is in elementary geometry, else as a spline.
+/// A surface as what it is in elementary geometry, else as the curve that sweeps it, else as a spline.
 fn surface(surface: &dyn Surface, tol: f64) -> Result<Form<SurfaceShape>, WriteError> {
-    if let Some(e) = surface.elementary() {
-        let (shape, certainty) = (SurfaceShape::Elementary(e), Certainty::Exact);
+    let exact = match surface.elementary() {
+        Some(e) => Some(SurfaceShape::Elementary(e)),
+        None => surface.swept().map(swept).transpose()?,
+    };
+    if let Some(shape) = exact {
+        let certainty = Certainty::Exact;
         return Ok(Form { shape, certainty });
     }
     let form = to_nurbs_or_approximate(surface, tol).map_err(shapeless)?;
     let shape = SurfaceShape::Spline(spline_surface(form.nurbs)?);
     let certainty = form.certainty;
     Ok(Form { shape, certainty })
+}
+
+/// Swept curves go out as splines, which end where they do: whole ellipses could cross the axis of a turn.
+fn swept(swept: Swept) -> Result<SurfaceShape, WriteError> {
+    Ok(match swept {
+        Swept::Turned {
+            curve, axis, same, ..
+        } => SurfaceShape::Turned {
+            curve: spline_curve(curve)?,
+            axis,
+            same: !same,
+        },
+        Swept::Moved { curve, along, same } => SurfaceShape::Moved {
+            curve: spline_curve(curve)?,
+            along,
+            same,
+        },
+    })
 }
 
 fn knots(all: &[f64]) -> Knots {

@@ -4,6 +4,7 @@ use super::WriteError;
 use super::conic::Conic;
 use super::forms::{CurveShape, SplineCurve, SplineSurface, SurfaceShape};
 use super::out::Out;
+use glam::DVec3;
 use nappe::Frame;
 use nappe::surface::Elementary;
 
@@ -19,13 +20,7 @@ pub(super) fn curve(out: &mut Out<'_>, shape: CurveShape, name: &str) -> Result<
     Ok(match shape {
         CurveShape::Conic(Conic::Line { from, along }) => {
             let point = out.point(from)?;
-            let direction = out.direction(along.normalize())?;
-            let vector = out
-                .open("VECTOR")
-                .text("")
-                .reference(direction)
-                .real(1.0)
-                .close()?;
+            let vector = out.vector(along, 1.0)?;
             out.open("LINE")
                 .text("")
                 .reference(point)
@@ -93,6 +88,8 @@ fn spline_curve(out: &mut Out<'_>, s: SplineCurve, name: &str) -> Result<u64, Wr
 pub(super) fn surface(out: &mut Out<'_>, shape: SurfaceShape) -> Result<Written, WriteError> {
     let (id, same) = match shape {
         SurfaceShape::Elementary(e) => elementary(out, &e)?,
+        SurfaceShape::Turned { curve, axis, same } => (turned(out, curve, &axis)?, same),
+        SurfaceShape::Moved { curve, along, same } => (moved(out, curve, along)?, same),
         SurfaceShape::Spline(spline) => (spline_surface(out, spline)?, true),
     };
     Ok(Written { id, same })
@@ -175,6 +172,27 @@ fn elementary(out: &mut Out<'_>, e: &Elementary) -> Result<(u64, bool), WriteErr
             (out.close()?, *outward)
         }
     })
+}
+
+fn turned(out: &mut Out<'_>, curve: SplineCurve, axis: &Frame) -> Result<u64, WriteError> {
+    let curve = spline_curve(out, curve, "")?;
+    let origin = out.point(axis.origin())?;
+    let z = out.direction(axis.z())?;
+    let axis = out
+        .open("AXIS1_PLACEMENT")
+        .text("")
+        .reference(origin)
+        .reference(z)
+        .close()?;
+    let out = out.open("SURFACE_OF_REVOLUTION").text("");
+    Ok(out.reference(curve).reference(axis).close()?)
+}
+
+fn moved(out: &mut Out<'_>, curve: SplineCurve, along: DVec3) -> Result<u64, WriteError> {
+    let curve = spline_curve(out, curve, "")?;
+    let vector = out.vector(along, along.length())?;
+    let out = out.open("SURFACE_OF_LINEAR_EXTRUSION").text("");
+    Ok(out.reference(curve).reference(vector).close()?)
 }
 
 fn spline_surface(out: &mut Out<'_>, s: SplineSurface) -> Result<u64, WriteError> {

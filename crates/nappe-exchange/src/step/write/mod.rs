@@ -9,10 +9,10 @@ mod text;
 
 use crate::atomic::write_atomically;
 use crate::{Colour, Document, ExchangeError, Item, ItemForm};
+use forms::CurveShape;
 use nappe::Units;
 use nappe::mesh::Certainty;
 use nappe::parallel;
-use forms::CurveShape;
 use out::{Out, encoded};
 use std::collections::VecDeque;
 use std::io::{self, Write};

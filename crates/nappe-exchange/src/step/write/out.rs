@@ -254,7 +254,10 @@ impl<'w> Out<'w> {
                 if from > 0 {
                     self.text.bytes.push(b',');
                 }
-                self.put_later(Later::References(first + from as u64, MANY.min(count - from)));
+                self.put_later(Later::References(
+                    first + from as u64,
+                    MANY.min(count - from),
+                ));
             }
         }
         self.end()
@@ -285,6 +288,16 @@ impl<'w> Out<'w> {
 
     pub(super) fn direction(&mut self, d: DVec3) -> io::Result<u64> {
         self.open("DIRECTION").text("").reals(d.to_array()).close()
+    }
+
+    /// A direction with a length.
+    pub(super) fn vector(&mut self, way: DVec3, length: f64) -> io::Result<u64> {
+        let direction = self.direction(way.normalize())?;
+        self.open("VECTOR")
+            .text("")
+            .reference(direction)
+            .real(length)
+            .close()
     }
 
     pub(super) fn placement(&mut self, origin: DVec3, z: DVec3, x: DVec3) -> io::Result<u64> {

@@ -88,7 +88,8 @@ impl Text {
     pub(super) fn references(&mut self, first: u64, count: usize) {
         let mut number = Counter::new(first);
         for k in 0..count {
-            self.bytes.extend_from_slice(if k == 0 { b"#" } else { b",#" });
+            self.bytes
+                .extend_from_slice(if k == 0 { b"#" } else { b",#" });
             self.bytes.extend_from_slice(number.digits());
             number.add_one();
         }
