@@ -21,7 +21,13 @@ from OCP.BRepAdaptor import BRepAdaptor_Curve2d, BRepAdaptor_Surface
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepClass import BRepClass_FaceClassifier
 from OCP.BRepTools import BRepTools
-from OCP.GeomAbs import GeomAbs_BSplineCurve, GeomAbs_BSplineSurface, GeomAbs_Line
+from OCP.GeomAbs import (
+    GeomAbs_BSplineCurve,
+    GeomAbs_BSplineSurface,
+    GeomAbs_Line,
+    GeomAbs_SurfaceOfExtrusion,
+    GeomAbs_SurfaceOfRevolution,
+)
 from OCP.gp import gp_Pnt, gp_Pnt2d, gp_Vec, gp_Vec2d
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.IGESControl import IGESControl_Reader
@@ -91,6 +97,11 @@ class Face:
                 [s.UKnot(i + 1) for i in range(s.NbUKnots())],
                 [s.VKnot(i + 1) for i in range(s.NbVKnots())],
             ]
+        # Swept surfaces have the knots of their curves, along u or round the axis along v.
+        along = {GeomAbs_SurfaceOfExtrusion: 0, GeomAbs_SurfaceOfRevolution: 1}.get(self.surface.GetType())
+        if along is not None and self.surface.BasisCurve().GetType() == GeomAbs_BSplineCurve:
+            s = self.surface.BasisCurve().BSpline()
+            self.knots[along] = [s.Knot(i + 1) for i in range(s.NbKnots())]
 
     def element(self, u, v):
         self.surface.D1(u, v, self.p, self.d_u, self.d_v)

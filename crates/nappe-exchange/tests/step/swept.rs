@@ -236,6 +236,14 @@ fn apart(a: &dyn Surface, b: &dyn Surface) -> f64 {
     ways.fold(f64::INFINITY, f64::min)
 }
 
+/// One of each.
+pub(crate) fn all() -> Vec<(String, SurfaceRef)> {
+    let (at, size) = PLACES[0];
+    let mut all = turned(at, size);
+    all.extend(moved(at, size));
+    all
+}
+
 fn comes_back(name: &str, surface: &SurfaceRef, entity: &str, size: f64) {
     let document = sewn(std::slice::from_ref(surface), Units::Millimetre);
     let bytes = written(&document, Schema::Ap242);
