@@ -38,6 +38,8 @@ from OCP.TopoDS import TopoDS
 
 # How far an integral may be from converged, relative to the face, and how often a piece is halved for that.
 CONVERGED, DEPTH = 1e-9, 12
+# Places of an edge that are looked at.
+SAMPLES = 32
 # Places of each face along either parameter.
 GRID = 3
 
@@ -76,6 +78,19 @@ def between(knots, lo, hi):
     """The ends and what lies between them."""
     width = 1e-10 * (hi - lo)
     return [lo, *sorted(k for k in knots if lo + width < k < hi - width), hi]
+
+
+def crossings(f, lo, hi):
+    """Where a function changes its sign, as far as some samples see it."""
+    at = [lo + (hi - lo) * i / SAMPLES for i in range(SAMPLES + 1)]
+    for a, b in zip(at, at[1:]):
+        if f(b) == 0:
+            yield b
+        elif f(a) * f(b) < 0:
+            for _ in range(60):
+                mid = (a + b) / 2
+                a, b = (a, mid) if f(a) * f(mid) <= 0 else (mid, b)
+            yield b
 
 
 class Face:
@@ -124,6 +139,9 @@ class Face:
         if c.GetType() == GeomAbs_BSplineCurve:
             s = c.BSpline()
             breaks = [s.Knot(i + 1) for i in range(s.NbKnots())]
+            # The surface is less smooth at its own knots.
+            for k, knots in enumerate(self.knots):
+                breaks += [t for knot in knots for t in crossings(lambda t: c.Value(t).Coord(k + 1) - knot, lo, hi)]
         elif c.GetType() == GeomAbs_Line:
             c.D1(lo, p, d)
             for at, speed, knots in ((p.X(), d.X(), self.knots[0]), (p.Y(), d.Y(), self.knots[1])):

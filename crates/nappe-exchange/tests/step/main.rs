@@ -14,6 +14,7 @@ mod round;
 #[path = "../shared/mod.rs"]
 mod shared;
 mod swept;
+mod told;
 
 use nappe::body::sew;
 use nappe::surface::SurfaceRef;

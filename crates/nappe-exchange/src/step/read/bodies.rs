@@ -204,6 +204,7 @@ fn name(file: &File<'_>, id: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::read_on;
+    use crate::report::Progress;
     use std::fmt::Write;
 
     /// A file of a few megabytes of polygons, some of them without a point, in whose texts entities seem to begin.
@@ -245,11 +246,11 @@ mod tests {
     fn the_number_of_threads_changes_nothing() {
         let text = file();
         assert!(text.len() > 3_000_000);
-        let one = read_on(text.as_bytes(), 1).unwrap();
+        let one = read_on(text.as_bytes(), 1, Progress::default()).unwrap();
         assert_eq!(one.document.items.len(), 12_000 - 240);
         assert!(!one.document.left_out.is_empty());
         for threads in [2, 3, 8] {
-            let more = read_on(text.as_bytes(), threads).unwrap();
+            let more = read_on(text.as_bytes(), threads, Progress::default()).unwrap();
             assert_eq!(more.entities, one.entities);
             assert_eq!(more.kinds, one.kinds);
             assert_eq!(more.document.left_out, one.document.left_out);
@@ -261,7 +262,11 @@ mod tests {
         // What is wrong far inside is told with the same place.
         let wrong = text.replacen("#1199000=", "#1199000 ", 1);
         assert_ne!(wrong, text);
-        let errors = [1, 2, 5].map(|n| read_on(wrong.as_bytes(), n).unwrap_err().to_string());
+        let errors = [1, 2, 5].map(|n| {
+            read_on(wrong.as_bytes(), n, Progress::default())
+                .unwrap_err()
+                .to_string()
+        });
         assert!(
             errors[0].contains("`=`") && errors.iter().all(|e| *e == errors[0]),
             "{errors:?}"

@@ -6,6 +6,7 @@ use super::geometry;
 use super::out::Out;
 use crate::FaceStyle;
 use crate::hollow::{is_hollow, is_turned};
+use crate::report::Shares;
 use glam::DVec3;
 use nappe::body::{Body, Coedge, Face, Loop, Shell};
 use nappe::mesh::Certainty;
@@ -46,6 +47,7 @@ pub(super) fn body(
     name: &str,
     styles: &[FaceStyle],
     forms: Forms,
+    steps: &Shares<'_>,
 ) -> Result<Parts, WriteError> {
     let mut writer = Writer {
         out,
@@ -64,6 +66,7 @@ pub(super) fn body(
     for (i, face) in body.faces.iter().enumerate() {
         let name = styles.get(i).map_or("", |s| &s.name);
         writer.parts.faces[i] = writer.face(i, face, name)?;
+        steps.step();
     }
     let hollow = is_hollow(body);
     let ids: Result<Vec<u64>, WriteError> = body.shells.iter().map(|s| writer.shell(s)).collect();

@@ -2,6 +2,7 @@
 
 use super::WriteError;
 use super::conic::{Conic, conic};
+use crate::report::Shares;
 use crate::{Item, ItemForm};
 use glam::DVec3;
 use nappe::body::{Body, Loop};
@@ -106,7 +107,12 @@ enum Found {
 }
 
 /// The forms of some items, found on so many threads. Errors: a body that is not one, a shape without a form.
-pub(super) fn forms(items: &[Item], tol: f64, threads: usize) -> Result<Vec<Forms>, WriteError> {
+pub(super) fn forms(
+    items: &[Item],
+    tol: f64,
+    threads: usize,
+    steps: &Shares<'_>,
+) -> Result<Vec<Forms>, WriteError> {
     let valid = |i: usize| match &items[i].form {
         ItemForm::Body { body, .. } => body
             .validate(f64::INFINITY)
@@ -137,7 +143,7 @@ pub(super) fn forms(items: &[Item], tol: f64, threads: usize) -> Result<Vec<Form
     }
     let find = |k: usize| {
         let (item, part) = parts[k];
-        Ok(match (&items[item].form, part) {
+        let found = match (&items[item].form, part) {
             (ItemForm::Body { body, .. }, Part::Face(f)) => {
                 Found::Surface(surface(body.faces[f].surface.as_ref(), tol)?)
             }
@@ -146,7 +152,9 @@ pub(super) fn forms(items: &[Item], tol: f64, threads: usize) -> Result<Vec<Form
             }
             (ItemForm::Curve(c), _) => Found::Curve(curve(c.as_ref(), tol)?),
             (ItemForm::Points(_), _) => unreachable!("points have no parts"),
-        })
+        };
+        steps.step();
+        Ok(found)
     };
     let found: Vec<Result<Found, WriteError>> =
         parallel::each(threads, parts.len(), find, Result::is_err);

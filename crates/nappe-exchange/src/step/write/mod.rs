@@ -8,6 +8,7 @@ mod out;
 mod text;
 
 use crate::atomic::write_atomically;
+use crate::report::{Progress, Shares};
 use crate::{Colour, Document, ExchangeError, Item, ItemForm};
 use forms::CurveShape;
 use nappe::Units;
@@ -82,12 +83,22 @@ pub fn write(
     document: &Document,
     options: &StepOptions,
 ) -> Result<StepReport, ExchangeError> {
+    write_telling(path, document, options, Progress::default())
+}
+
+/// The same, telling how far it is.
+pub(crate) fn write_telling(
+    path: &Path,
+    document: &Document,
+    options: &StepOptions,
+    progress: Progress<'_>,
+) -> Result<StepReport, ExchangeError> {
     if document.items.is_empty() {
         let (path, what) = (path.to_owned(), "surfaces or curves");
         return Err(ExchangeError::Nothing { path, what });
     }
     let mut shape = None;
-    let written = write_atomically(path, |to| match put(to, document, options) {
+    let written = write_atomically(path, |to| match put(to, document, options, progress) {
         Ok(report) => Ok(report),
         Err(WriteError::Io(e)) => Err(e),
         Err(WriteError::Shape(why)) => {
@@ -109,6 +120,7 @@ pub(super) fn put(
     to: &mut (dyn Write + Send),
     document: &Document,
     options: &StepOptions,
+    progress: Progress<'_>,
 ) -> Result<StepReport, WriteError> {
     let threads = parallel::all_threads();
     let mut out = Out::new(to, threads);
@@ -124,17 +136,18 @@ pub(super) fn put(
     let mut roots: [Vec<u64>; 3] = Default::default();
     let mut styled: Vec<(u64, Colour, bool)> = Vec::new();
     let mut tolerance = document.uncertainty.unwrap_or(0.0);
+    let steps = Shares::new(progress, document.items.iter().map(steps).sum());
     let mut forms = VecDeque::new();
     for (i, item) in document.items.iter().enumerate() {
         if forms.is_empty() {
             let next = &document.items[i..];
             let next = &next[..group(next)];
-            forms = forms::forms(next, options.tolerance, threads)?.into();
+            forms = forms::forms(next, options.tolerance, threads, &steps)?.into();
         }
         let mut forms = forms.pop_front().unwrap_or_default();
         match &item.form {
             ItemForm::Body { body, faces } => {
-                let parts = body::body(&mut out, body, &item.name, faces, forms)?;
+                let parts = body::body(&mut out, body, &item.name, faces, forms, &steps)?;
                 for (id, solid) in parts.roots {
                     roots[usize::from(!solid)].push(id);
                     report.bodies[usize::from(!solid)] += 1;
@@ -216,6 +229,15 @@ pub(super) fn put(
     out.raw("ENDSEC;\nEND-ISO-10303-21;\n");
     out.finish()?;
     Ok(report)
+}
+
+/// The steps that an item takes: finding a form for each face and edge, and writing each face.
+fn steps(item: &Item) -> usize {
+    match &item.form {
+        ItemForm::Body { body, .. } => 2 * body.faces.len() + body.edges.len(),
+        ItemForm::Curve(_) => 1,
+        ItemForm::Points(_) => 0,
+    }
 }
 
 /// How many of the first items have [`GROUP`] faces, curves and points, or more.
