@@ -14,6 +14,7 @@ mod round;
 #[path = "../shared/mod.rs"]
 mod shared;
 mod swept;
+mod together;
 mod told;
 
 use nappe::body::sew;

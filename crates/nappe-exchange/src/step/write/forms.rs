@@ -2,11 +2,12 @@
 
 use super::WriteError;
 use super::conic::{Conic, conic};
+use super::together::Together;
 use crate::report::Shares;
 use crate::{Item, ItemForm};
 use glam::DVec3;
 use nappe::body::{Body, Loop};
-use nappe::exact::{to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
+use nappe::exact::to_nurbs_or_approximate_curve;
 use nappe::mesh::Certainty;
 use nappe::parallel;
 use nappe::surface::{Elementary, Surface, Swept};
@@ -102,11 +103,12 @@ enum Part {
 }
 
 enum Found {
-    Surface(Form<SurfaceShape>),
-    Curve(Form<CurveShape>),
+    Surface(Option<Form<SurfaceShape>>),
+    Curve(Option<Form<CurveShape>>),
 }
 
-/// The forms of some items, found on so many threads. Errors: a body that is not one, a shape without a form.
+/// The forms of some items, found on so many threads: exact ones where these exist, else within a tolerance. Errors: a body
+/// that is not one, a shape without a form.
 pub(super) fn forms(
     items: &[Item],
     tol: f64,
@@ -141,31 +143,83 @@ pub(super) fn forms(
             curves: (0..curves).map(|_| None).collect(),
         });
     }
-    let find = |k: usize| {
+    let find = |k: usize| -> Result<Found, WriteError> {
         let (item, part) = parts[k];
-        let found = match (&items[item].form, part) {
-            (ItemForm::Body { body, .. }, Part::Face(f)) => {
-                Found::Surface(surface(body.faces[f].surface.as_ref(), tol)?)
+        let found = match part {
+            Part::Face(f) => match &items[item].form {
+                ItemForm::Body { body, .. } => {
+                    Found::Surface(exact(body.faces[f].surface.as_ref())?)
+                }
+                _ => Found::Surface(None),
+            },
+            Part::Curve(e) => {
+                Found::Curve(curve_of(&items[item], e).map_or(Ok(None), exact_curve)?)
             }
-            (ItemForm::Body { body, .. }, Part::Curve(e)) => {
-                Found::Curve(curve(body.edges[e].curve.as_ref(), tol)?)
-            }
-            (ItemForm::Curve(c), _) => Found::Curve(curve(c.as_ref(), tol)?),
-            (ItemForm::Points(_), _) => unreachable!("points have no parts"),
         };
         steps.step();
         Ok(found)
     };
-    let found: Vec<Result<Found, WriteError>> =
-        parallel::each(threads, parts.len(), find, Result::is_err);
+    let found = parallel::each(threads, parts.len(), find, Result::is_err);
+    // What has no exact form: faces of each item, and edges and curves.
+    let mut faces: Vec<Vec<usize>> = vec![Vec::new(); items.len()];
+    let mut curves = Vec::new();
     for ((item, part), found) in parts.iter().zip(found) {
         match (found?, part) {
-            (Found::Surface(form), Part::Face(i)) => all[*item].surfaces[*i] = Some(form),
-            (Found::Curve(form), Part::Curve(i)) => all[*item].curves[*i] = Some(form),
+            (Found::Surface(None), Part::Face(i)) => faces[*item].push(*i),
+            (Found::Surface(form), Part::Face(i)) => all[*item].surfaces[*i] = form,
+            (Found::Curve(None), Part::Curve(i)) => curves.push((*item, *i)),
+            (Found::Curve(form), Part::Curve(i)) => all[*item].curves[*i] = form,
             _ => unreachable!("faces have surfaces, edges curves"),
         }
     }
+    let mut together: Vec<Option<Together>> = Vec::with_capacity(items.len());
+    for (item, faces) in items.iter().zip(&faces) {
+        together.push(match &item.form {
+            ItemForm::Body { body, .. } if !faces.is_empty() => {
+                Some(Together::of(body, faces, tol)?)
+            }
+            _ => None,
+        });
+    }
+    let find = |k: usize| {
+        let (item, i) = curves[k];
+        let edge = match &items[item].form {
+            ItemForm::Body { body, .. } => body.edges.get(i),
+            _ => None,
+        };
+        // The surface's own side, so that the edge lies on it.
+        let side = edge.zip(together[item].as_ref());
+        let form = match side.and_then(|(e, t)| t.side(e)) {
+            Some((nurbs, certainty)) => Some((nurbs, certainty)),
+            None => curve_of(&items[item], i)
+                .map(|c| to_nurbs_or_approximate_curve(c, tol).map_err(shapeless))
+                .transpose()?
+                .map(|form| (form.nurbs, form.certainty)),
+        };
+        form.map(|(nurbs, certainty)| curve_form(nurbs, certainty))
+            .transpose()
+    };
+    let found = parallel::each(threads, curves.len(), find, Result::is_err);
+    for ((item, i), found) in curves.iter().zip(found) {
+        all[*item].curves[*i] = found?;
+    }
+    for (all, together) in all.iter_mut().zip(together) {
+        for (face, form) in together.into_iter().flat_map(|t| t.forms) {
+            let shape = SurfaceShape::Spline(spline_surface(form.nurbs)?);
+            let certainty = form.certainty;
+            all.surfaces[face] = Some(Form { shape, certainty });
+        }
+    }
     Ok(all)
+}
+
+/// An item's curve: an edge of a body or itself.
+fn curve_of(item: &Item, i: usize) -> Option<&dyn Curve> {
+    match &item.form {
+        ItemForm::Body { body, .. } => body.edges.get(i).map(|e| e.curve.as_ref()),
+        ItemForm::Curve(c) => Some(c.as_ref()),
+        ItemForm::Points(_) => None,
+    }
 }
 
 /// The edges that loops use, once each.
@@ -180,35 +234,37 @@ fn used(body: &Body) -> impl Iterator<Item = usize> + use<> {
     edges.filter_map(|(e, used)| used.then_some(e))
 }
 
-fn shapeless(e: impl ToString) -> WriteError {
+pub(super) fn shapeless(e: impl ToString) -> WriteError {
     WriteError::Shape(e.to_string())
 }
 
 /// A curve as a part of a line or ellipse, else as a spline.
-fn curve(curve: &dyn Curve, tol: f64) -> Result<Form<CurveShape>, WriteError> {
-    let form = to_nurbs_or_approximate_curve(curve, tol).map_err(shapeless)?;
-    let shape = match conic(&form.nurbs) {
+fn curve_form(nurbs: NurbsCurve, certainty: Certainty) -> Result<Form<CurveShape>, WriteError> {
+    let shape = match conic(&nurbs) {
         Some(conic) => CurveShape::Conic(conic),
-        None => CurveShape::Spline(spline_curve(form.nurbs)?),
+        None => CurveShape::Spline(spline_curve(nurbs)?),
     };
-    let certainty = form.certainty;
     Ok(Form { shape, certainty })
 }
 
-/// A surface as what it is in elementary geometry, else as the curve that sweeps it, else as a spline.
-fn surface(surface: &dyn Surface, tol: f64) -> Result<Form<SurfaceShape>, WriteError> {
-    let exact = match surface.elementary() {
-        Some(e) => Some(SurfaceShape::Elementary(e)),
-        None => surface.swept().map(swept).transpose()?,
+fn exact_curve(curve: &dyn Curve) -> Result<Option<Form<CurveShape>>, WriteError> {
+    let nurbs = curve.to_nurbs().or_else(|| curve.to_rational());
+    nurbs.map(|n| curve_form(n, Certainty::Exact)).transpose()
+}
+
+/// A surface as what it is in elementary geometry, else as the curve that sweeps it, else as a spline, if it is one of these.
+fn exact(surface: &dyn Surface) -> Result<Option<Form<SurfaceShape>>, WriteError> {
+    let shape = if let Some(e) = surface.elementary() {
+        Some(SurfaceShape::Elementary(e))
+    } else if let Some(s) = surface.swept() {
+        Some(swept(s)?)
+    } else {
+        let nurbs = surface.to_nurbs().or_else(|| surface.to_rational());
+        let spline = nurbs.map(spline_surface).transpose()?;
+        spline.map(SurfaceShape::Spline)
     };
-    if let Some(shape) = exact {
-        let certainty = Certainty::Exact;
-        return Ok(Form { shape, certainty });
-    }
-    let form = to_nurbs_or_approximate(surface, tol).map_err(shapeless)?;
-    let shape = SurfaceShape::Spline(spline_surface(form.nurbs)?);
-    let certainty = form.certainty;
-    Ok(Form { shape, certainty })
+    let certainty = Certainty::Exact;
+    Ok(shape.map(|shape| Form { shape, certainty }))
 }
 
 /// Swept curves go out as splines, which end where they do: whole ellipses could cross the axis of a turn.

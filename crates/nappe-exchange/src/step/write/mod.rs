@@ -6,6 +6,7 @@ mod forms;
 mod geometry;
 mod out;
 mod text;
+mod together;
 
 use crate::atomic::write_atomically;
 use crate::report::{Progress, Shares};
