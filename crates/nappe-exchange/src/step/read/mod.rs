@@ -1,5 +1,6 @@
 //! STEP files in.
 
+mod ahead;
 mod bodies;
 mod cover;
 mod curves;
