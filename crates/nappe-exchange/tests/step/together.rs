@@ -72,7 +72,7 @@ fn edges_lie_on_all_their_surfaces_however_large_the_tolerance_is() {
                 ..FinderOptions::default()
             };
             for (i, face) in body.faces.iter().enumerate() {
-                let find = |s: &SurfaceRef| Finder::new(std::slice::from_ref(s), options.clone());
+                let find = |s: &SurfaceRef| Finder::new(std::slice::from_ref(s), options);
                 let finder = find(&face.surface).unwrap();
                 for l in &face.loops {
                     let nappe::body::Loop::Edges(coedges) = l else {
