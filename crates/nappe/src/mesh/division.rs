@@ -197,6 +197,7 @@ pub(super) struct Refined {
 
 #[cfg(test)]
 mod tests {
+    use super::super::numbered::Numbered;
     use super::super::partners::{Framed, Place};
     use super::super::pieces::Pieces;
     use super::*;
@@ -253,9 +254,11 @@ mod tests {
         assert_eq!(refined.triangles, division.triangles());
         // What the neighbours of small squares need comes on top.
         let (mut count, mut least) = (0.0, f64::INFINITY);
-        let numbered = net.numbered();
-        numbered.triangles([0, 0], |t| {
-            let [a, b, c] = t.map(|k| net.uv(numbered.places[k as usize]));
+        net.close();
+        let numbered = Numbered::plain(&net);
+        let places = numbered.places();
+        numbered.triangles([0, 0], |t, _| {
+            let [a, b, c] = t.map(|k| net.uv(places[k as usize]));
             let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
             least = least.min(0.5 * twice);
             count += 1.0;

@@ -295,7 +295,7 @@ impl Layout {
         let shares: Vec<_> = open[done..]
             .chunks(open[done..].len().div_ceil(SHARES).max(1))
             .collect();
-        self.join(first.found, demand)?;
+        self.join(first.closed(), demand)?;
         let total = AtomicUsize::new(0);
         let (mut complete, mut joined) = (0, Ok(()));
         parallel::in_order(
@@ -423,7 +423,13 @@ impl<'a> Work<'a> {
                 self.square(square, &mut open)?;
             }
         }
-        Ok(self.found)
+        Ok(self.closed())
+    }
+
+    /// What was found, with all vertices that others need.
+    fn closed(mut self) -> Found {
+        self.found.net.close();
+        self.found
     }
 
     /// Refines a square, or leaves that to its children.

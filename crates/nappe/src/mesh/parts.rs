@@ -480,6 +480,7 @@ impl<At: Fn(usize) -> [usize; 2], const ALONG: usize> Kernel for Chosen<'_, At, 
 #[cfg(test)]
 mod tests {
     use super::super::bisection::{Bisection, CELL, Square};
+    use super::super::numbered::Numbered;
     use super::*;
     use crate::box3::Box3;
     use crate::interval::Interval;
@@ -607,10 +608,12 @@ mod tests {
         net.refine(Square::cell([0, 0]), 2 * depth);
         net.refine(part, level);
         let [lower, upper] = [net.uv(part.corner), net.uv(part.upper())];
-        let numbered = net.numbered();
+        net.close();
+        let numbered = Numbered::plain(&net);
+        let places = numbered.places();
         let mut worst = 0.0f64;
-        numbered.triangles([0, 0], |t| {
-            let corners = t.map(|k| net.uv(numbered.places[k as usize]));
+        numbered.triangles([0, 0], |t, _| {
+            let corners = t.map(|k| net.uv(places[k as usize]));
             let inside = |d: usize| {
                 let mid = (corners[0][d] + corners[1][d] + corners[2][d]) / 3.0;
                 lower[d] < mid && mid < upper[d]
