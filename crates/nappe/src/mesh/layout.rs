@@ -44,8 +44,10 @@ const LOOSE: f64 = 16.0;
 /// The least share of the tolerance that is kept for points between partners.
 const LEAST_BETWEEN: f64 = 1.0 / 64.0;
 /// The shares of a block that threads work on, and the squares to begin with.
-const SHARES: usize = 16;
+const SHARES: usize = 32;
 const ENOUGH: usize = 64;
+/// From so many pieces on, they are enclosed on all threads before squares ask for them.
+const MANY_PIECES: usize = 16;
 /// A grid with so few cells needs no sharper bound.
 const FEW: f64 = 2.0;
 
@@ -283,6 +285,9 @@ impl Layout {
             normal: None,
         };
         let between = **between;
+        if (MANY_PIECES..=region.each().count()).contains(&pieces.count()) {
+            pieces.prepare(demand.threads);
+        }
         let blank = self.net.of_lines();
         let work = || Work::new(demand, between, blank.of_lines(), pieces, block);
         let mut open: Vec<Square> = region.each().map(Square::cell).collect();

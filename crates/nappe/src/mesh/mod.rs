@@ -32,6 +32,7 @@ mod division;
 mod flatten;
 mod joints;
 mod layout;
+mod levels;
 mod lines;
 mod measured;
 mod numbered;

@@ -235,9 +235,14 @@ impl<'a> Numbered<'a> {
         let Numbers { first, marked, .. } = self.tiles[k];
         let bits = self.net.tiles[k].bits;
         for (first, bits) in first.into_iter().zip([bits & !marked, bits & marked]) {
+            // Rows lie side by side.
+            let (mut last, mut number) = (0, first);
             for n in each(bits & some) {
-                let below = bits & ((1 << n) - 1);
-                tell(within(n).map(|i| i as usize), first + below.count_ones());
+                let skipped = bits & ((1 << n) - 1) & !last;
+                number += skipped.count_ones();
+                tell(within(n).map(|i| i as usize), number);
+                number += 1;
+                last = u64::MAX >> (63 - n);
             }
         }
     }
