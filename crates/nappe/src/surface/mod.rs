@@ -107,8 +107,8 @@ pub use diagonal_key::{DiagonalKey, DiagonalKeyError, DiagonalKeyOptions, Free, 
 pub use elementary::Elementary;
 pub use fillet::{Fillet, FilletError, FilletOptions, Radius, arc_sections};
 pub use hermite::{HermiteData, HermiteError, hermite};
-pub(crate) use normal::normal_from;
 pub use normal::{Normal, normal_at};
+pub(crate) use normal::{PlainNormals, normal_from};
 pub use quadric::{Quadric, QuadricError, QuadricOptions, QuadricShape};
 pub use rational::{RationalError, rational};
 pub use revolution::{Construction, Revolution, RevolutionError, RevolutionOptions};
