@@ -7,6 +7,7 @@ mod eval;
 mod failure;
 mod fault;
 mod imports;
+mod input;
 mod model;
 mod output;
 mod project;

@@ -15,10 +15,11 @@ pub(crate) struct Table {
 
 impl Table {
     /// A table with a heading line.
-    pub(crate) fn headed<const N: usize>(columns: [&str; N]) -> Table {
+    pub(crate) fn headed(columns: impl IntoIterator<Item = impl Into<String>>) -> Table {
+        let heading: Vec<String> = columns.into_iter().map(Into::into).collect();
         Table {
-            columns: N,
-            rows: vec![columns.map(str::to_owned).to_vec()],
+            columns: heading.len(),
+            rows: vec![heading],
             headed: true,
         }
     }

@@ -25,4 +25,5 @@ mod write;
 
 pub(crate) use curves::placed;
 pub(crate) use document::read;
+pub(crate) use write::write_telling;
 pub use write::{IgesOptions, IgesReport, write};

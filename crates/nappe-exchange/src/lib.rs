@@ -57,7 +57,7 @@ pub use meshing::{
     DocumentMesh, Missing, face_name, face_place, item_name, item_place, mesh_document,
 };
 pub use nappe::Units;
-pub use read::{Read, ReadError, read};
+pub use read::{Read, ReadError, read, read_telling};
 pub use report::{Progress, WriteOptions, WriteReport};
 pub use scene::{Colour, Exact, ExactForm, Field, PALETTE, Part, Polyline, Scene};
 pub use triangles::{Group, MeshFacts, TriangleMesh, mesh_facts};

@@ -23,6 +23,7 @@ mod words;
 
 use crate::document::Document;
 use crate::iges;
+use crate::report::Progress;
 use crate::triangles::TriangleMesh;
 use std::fmt;
 use std::fs;
@@ -125,29 +126,32 @@ impl Fault {
     }
 }
 
-type ReadBytes = fn(&[u8], &Path) -> Result<Read, Fault>;
+type ReadBytes = fn(&[u8], &Path, Progress<'_>) -> Result<Read, Fault>;
 
 /// The endings that can be read, and what reads them.
 const READERS: [(&str, ReadBytes); 15] = [
-    ("igs", |b, _| iges::read(b).map(Read::Document)),
-    ("iges", |b, _| iges::read(b).map(Read::Document)),
-    ("stl", |b, _| stl::read(b).map(Read::Mesh)),
-    ("obj", |b, _| obj::read(b).map(Read::Mesh)),
-    ("ply", |b, _| ply::read(b).map(Read::Mesh)),
-    ("glb", |b, p| gltf::read(b, p.parent()).map(Read::Mesh)),
-    ("gltf", |b, p| gltf::read(b, p.parent()).map(Read::Mesh)),
-    ("3mf", |b, _| threemf::read(b).map(Read::Mesh)),
-    ("step", |b, _| step(b)),
-    ("stp", |b, _| step(b)),
-    ("brep", |b, _| brep::read(b).map(Read::Document)),
-    ("xml", |b, _| gismo::read(b).map(Read::Document)),
-    ("bpt", |b, _| bpt::read(b).map(Read::Document)),
-    ("dat", |b, _| table::read(b).map(Read::Document)),
-    ("cpt", |b, _| table::control_points(b).map(Read::Document)),
+    ("igs", |b, _, p| iges::read(b, p).map(Read::Document)),
+    ("iges", |b, _, p| iges::read(b, p).map(Read::Document)),
+    ("stl", |b, _, _| stl::read(b).map(Read::Mesh)),
+    ("obj", |b, _, _| obj::read(b).map(Read::Mesh)),
+    ("ply", |b, _, _| ply::read(b).map(Read::Mesh)),
+    ("glb", |b, p, _| gltf::read(b, p.parent()).map(Read::Mesh)),
+    ("gltf", |b, p, _| gltf::read(b, p.parent()).map(Read::Mesh)),
+    ("3mf", |b, _, _| threemf::read(b).map(Read::Mesh)),
+    ("step", |b, _, p| step(b, p)),
+    ("stp", |b, _, p| step(b, p)),
+    ("brep", |b, _, _| brep::read(b).map(Read::Document)),
+    ("xml", |b, _, _| gismo::read(b).map(Read::Document)),
+    ("bpt", |b, _, _| bpt::read(b).map(Read::Document)),
+    ("dat", |b, _, _| table::read(b).map(Read::Document)),
+    ("cpt", |b, _, _| {
+        table::control_points(b).map(Read::Document)
+    }),
 ];
 
-fn step(bytes: &[u8]) -> Result<Read, Fault> {
-    let file = crate::step::read(bytes).map_err(|e| Fault::whole(e.to_string()))?;
+fn step(bytes: &[u8], progress: Progress<'_>) -> Result<Read, Fault> {
+    let file =
+        crate::step::read_telling(bytes, progress).map_err(|e| Fault::whole(e.to_string()))?;
     Ok(Read::Document(file.document))
 }
 
@@ -172,6 +176,14 @@ fn ending(path: &Path) -> String {
 /// # Errors
 /// [`ReadError`]: an unknown ending, a file that cannot be opened, or the place where it is not what its format asks for.
 pub fn read(path: &Path) -> Result<Read, ReadError> {
+    read_telling(path, Progress::default())
+}
+
+/// The same, telling how far it is: STEP and IGES files.
+///
+/// # Errors
+/// As [`read()`].
+pub fn read_telling(path: &Path, progress: Progress<'_>) -> Result<Read, ReadError> {
     let ending = ending(path);
     let path = path.to_owned();
     let Some((_, reader)) = READERS.iter().find(|r| r.0 == ending) else {
@@ -179,7 +191,9 @@ pub fn read(path: &Path) -> Result<Read, ReadError> {
     };
     match fs::read(&path) {
         Err(source) => Err(ReadError::Io { path, source }),
-        Ok(bytes) => reader(&bytes, &path).map_err(|fault| ReadError::Fault { path, fault }),
+        Ok(bytes) => {
+            reader(&bytes, &path, progress).map_err(|fault| ReadError::Fault { path, fault })
+        }
     }
 }
 
@@ -196,7 +210,7 @@ pub fn read_bytes(ending: &str, bytes: &[u8]) -> Result<Read, Fault> {
             endings()
         ))
     })?;
-    reader(bytes, Path::new(""))
+    reader(bytes, Path::new(""), Progress::default())
 }
 
 /// More triangles or points have numbers that do not fit 32 bits, with room for a mark.

@@ -5,6 +5,7 @@ use crate::render::PictureOptions;
 use crate::step::Schema;
 use nappe::mesh::Certainty;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 /// How to write.
 #[derive(Clone, Debug, Default)]
@@ -72,6 +73,30 @@ impl<'a> Ticker<'a> {
             self.progress
                 .tell((self.done as f64 / self.total.max(1) as f64).min(1.0));
         }
+    }
+}
+
+/// Counts the steps of one piece of work that several threads share.
+pub(crate) struct Shares<'a> {
+    progress: Progress<'a>,
+    done: AtomicUsize,
+    total: usize,
+}
+
+impl<'a> Shares<'a> {
+    pub(crate) fn new(progress: Progress<'a>, total: usize) -> Shares<'a> {
+        Shares {
+            progress,
+            done: AtomicUsize::new(0),
+            total: total.max(1),
+        }
+    }
+
+    /// Tells of a step that has taken long enough for that.
+    pub(crate) fn step(&self) {
+        let done = self.done.fetch_add(1, Relaxed) + 1;
+        self.progress
+            .tell((done as f64 / self.total as f64).min(1.0));
     }
 }
 

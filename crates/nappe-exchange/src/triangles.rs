@@ -184,6 +184,16 @@ fn direction(v: DVec3) -> Option<DVec3> {
     (v / v.abs().max_element()).try_normalize()
 }
 
+/// The length of a vector whose square may be no number, or nothing.
+fn length(v: DVec3) -> f64 {
+    let size = v.abs().max_element();
+    if size > 0.0 && size.is_finite() {
+        (v / size).length() * size
+    } else {
+        size
+    }
+}
+
 /// No vertex.
 const NONE: u32 = u32::MAX;
 
@@ -231,7 +241,7 @@ pub fn mesh_facts(mesh: &TriangleMesh) -> MeshFacts {
     for &t in all() {
         let c = mesh.corners(t).map(|c| c - middle);
         let twice = area_vector(c);
-        area += twice.length() / 2.0;
+        area += length(twice) / 2.0;
         volume += twice.dot(c[0]) / 6.0;
         degenerate += usize::from(twice == DVec3::ZERO);
         if t[0] != t[1] && t[1] != t[2] && t[2] != t[0] {

@@ -84,14 +84,14 @@ fn exact(
     let (approximated, certainty) = if format == Format::Iges {
         let trimmed = true;
         let iges = IgesOptions { tolerance, trimmed };
-        let written = iges::write(path, &scene.document, &iges)?;
+        let written = iges::write_telling(path, &scene.document, &iges, options.progress)?;
         (written.approximated, written.certainty)
     } else {
         let step = StepOptions {
             schema: options.schema,
             tolerance,
         };
-        let written = step::write(path, &scene.document, &step)?;
+        let written = step::write_telling(path, &scene.document, &step, options.progress)?;
         (written.approximated, written.certainty)
     };
     options.progress.tell(1.0);

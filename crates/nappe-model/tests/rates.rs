@@ -2,37 +2,21 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod moving;
+
+use moving::moving;
 use nappe::DVec3;
 use nappe::measure::{
     AreaRate, IntegralOptions, Measured, Moving, Opening, SolidRate, area_centroid, area_rate,
     face_rate, joint_centroid, solid_rate, solids,
 };
 use nappe::mesh::Certainty;
-use nappe_model::{Overrides, Velocity, parse, velocities};
 use std::f64::consts::PI;
 
 const OPTIONS: IntegralOptions = IntegralOptions {
     relative: 1e-7,
     budget: 4000,
 };
-
-/// The surfaces of a model and how they move with its parameter p.
-fn moving(p: f64, rest: &str) -> Vec<Moving> {
-    let text = format!("nappe = 1\n[params]\np = {p:?}\n{rest}");
-    let none = Overrides::default();
-    let model = parse(&text, "test", &none).unwrap_or_else(|e| panic!("{}", e.list[0].message));
-    let found = velocities(&model, &none, "p").unwrap_or_else(|e| panic!("{}", e.list[0].message));
-    let all = model.surfaces.iter().zip(found.surfaces);
-    all.map(|(s, v)| Moving {
-        surface: s.surface.clone(),
-        velocity: match v {
-            Velocity::Moves(v) | Velocity::Follows(v) => Some(v),
-            Velocity::Still => None,
-            Velocity::Unknown(why) => panic!("{why}"),
-        },
-    })
-    .collect()
-}
 
 fn area(parts: &[Moving]) -> AreaRate {
     let each: Vec<_> = parts

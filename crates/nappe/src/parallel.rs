@@ -29,7 +29,7 @@ pub fn each<R: Send>(
 
 /// The same, but the results are handed to `take`, in order, while others are worked on: by one thread at a time, whichever
 /// has just finished a piece of work.
-pub(crate) fn in_order<R: Send>(
+pub fn in_order<R: Send>(
     threads: usize,
     count: usize,
     work: impl Fn(usize) -> R + Sync,

@@ -2,6 +2,7 @@
 
 use super::closing;
 use crate::failure::{Failure, Problem};
+use crate::input;
 use crate::output;
 use crate::screen::Screen;
 use crate::text::{Table, bytes, count};
@@ -53,7 +54,7 @@ impl Args {
         let format = Format::from_path(&self.output).map_err(output::refused)?;
         output::check_ap214(self.ap214, format == Format::Step)?;
         output::check(&self.output)?;
-        let read = nappe_exchange::read(&self.input).map_err(|e| Problem::new(e.to_string()))?;
+        let read = input::read(&self.input, screen)?;
         let input = self.input.display();
         match read {
             Read::Mesh(m) if format.is_exact() || format == Format::Json => {

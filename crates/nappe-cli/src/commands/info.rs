@@ -175,20 +175,20 @@ pub(super) struct Facts {
 }
 
 /// What is said of one surface.
-struct SurfaceFacts {
+pub(super) struct SurfaceFacts {
     nurbs: Option<NurbsSurface>,
     /// The same set of points, perhaps with other parameters.
     shape: Option<NurbsSurface>,
     torn: Option<(Dir, f64)>,
     area: AreaCentroid,
     extent: Option<Extent>,
-    curvature: Option<CurvatureExtremes>,
+    pub(super) curvature: Option<CurvatureExtremes>,
     /// The room on the side of the normal and behind.
-    balls: Option<[RollingBall; 2]>,
+    pub(super) balls: Option<[RollingBall; 2]>,
     /// The ball, if the surface is a fillet.
     fillet: Option<Touching>,
     /// Total curvature and its variation, if asked for.
-    bending: Option<(TotalCurvature, Measured)>,
+    pub(super) bending: Option<(TotalCurvature, Measured)>,
     closed: [bool; 2],
     collapsed: Vec<Side>,
 }
@@ -234,6 +234,11 @@ impl Facts {
     }
 
     /// The area of each surface.
+    /// For each surface the extremes of its curvature, the room beside it, and the integrals if they were asked for.
+    pub(super) fn bends(&self) -> impl Iterator<Item = &SurfaceFacts> {
+        self.surfaces.iter()
+    }
+
     pub(super) fn areas(&self) -> impl Iterator<Item = &AreaCentroid> {
         self.surfaces.iter().map(|f| &f.area)
     }

@@ -3,7 +3,8 @@
 use super::convert::left_out;
 use super::info::{box_json, error, measured};
 use super::report::{ReportFormat, measured_json};
-use crate::failure::{Failure, Problem};
+use crate::failure::Failure;
+use crate::input;
 use crate::screen::Screen;
 use crate::text::{Table, count, number};
 use nappe::body::{self, Body};
@@ -25,7 +26,7 @@ const AGREEMENT: f64 = 1e-6;
 
 /// The report on a file.
 pub(super) fn report(path: &Path, form: ReportFormat, screen: &Screen) -> Result<String, Failure> {
-    let read = nappe_exchange::read(path).map_err(|e| Problem::new(e.to_string()))?;
+    let read = input::read(path, screen)?;
     let format = Format::from_path(path).map_or_else(|_| String::new(), |f| f.to_string());
     Ok(match read {
         Read::Mesh(m) => {

@@ -1,5 +1,6 @@
 //! The commands, one to a file: what each takes from the command line, and what it asks of the other crates.
 
+mod bends;
 mod build;
 mod check;
 mod closing;

@@ -1,5 +1,6 @@
 //! How the figures of `nappe info` change with a parameter.
 
+use super::bends::Bends;
 use super::info::{Facts, INTEGRALS, error, measured, members};
 use super::report::measured_json;
 use crate::text::{Table, number};
@@ -14,8 +15,14 @@ use serde_json::{Value, json};
 /// How a surface changes.
 enum Change {
     Still,
-    Area(Measured),
+    Moves(Box<Moves>),
     Unknown(String),
+}
+
+/// How the figures of a surface change.
+struct Moves {
+    area: Measured,
+    bends: Bends,
 }
 
 /// Derivatives by one parameter.
@@ -50,21 +57,22 @@ impl Rates {
         let known = |k: usize| !matches!(put_out[k].1, Velocity::Unknown(_));
         let all_known = (0..parts.len()).all(known) && !parts.is_empty();
         let areas: Vec<_> = facts.areas().collect();
-        let own: Vec<Option<AreaRate>> = (0..parts.len())
+        let bends: Vec<_> = facts.bends().collect();
+        let own: Vec<Option<Moves>> = (0..parts.len())
             .into_par_iter()
             .map(|k| {
                 let moves = parts[k].velocity.is_some();
-                moves.then(|| area_rate(&parts[k..=k], areas[k], &INTEGRALS))
+                moves.then(|| Moves {
+                    area: area_rate(&parts[k..=k], areas[k], &INTEGRALS).area,
+                    bends: Bends::of(&parts[k], bends[k]),
+                })
             })
             .collect();
-        let surfaces = put_out
-            .iter()
-            .zip(&own)
-            .map(|((_, v), own)| match (v, own) {
-                (Velocity::Unknown(why), _) => Change::Unknown(why.clone()),
-                (_, Some(rate)) => Change::Area(rate.area),
-                (_, None) => Change::Still,
-            });
+        let surfaces = put_out.iter().zip(own).map(|((_, v), own)| match (v, own) {
+            (Velocity::Unknown(why), _) => Change::Unknown(why.clone()),
+            (_, Some(moves)) => Change::Moves(Box::new(moves)),
+            (_, None) => Change::Still,
+        });
         let whole = facts.area.filter(|_| all_known);
         let area = whole.map(|whole| area_rate(&parts, &whole, &INTEGRALS));
         let faces = all_known.then(|| {
@@ -155,15 +163,23 @@ impl Rates {
                 ]),
             }
         }
-        let heading = format!("area in {unit}²");
-        let mut each = Table::headed(["surface", &heading]);
+        let area = format!("area in {unit}²");
+        let mut headings = vec!["surface".to_owned(), area];
+        headings.extend(Bends::headings(unit, self.has_integrals()));
+        let columns = headings.len();
+        let mut each = Table::headed(headings);
         for (s, change) in named.iter().zip(&self.surfaces) {
-            let text = match change {
-                Change::Still => "does not move".to_owned(),
-                Change::Area(a) => measured(*a),
-                Change::Unknown(why) => format!("not known: {why}"),
-            };
-            each.row([s.name.clone(), text]);
+            let mut row = vec![s.name.clone()];
+            match change {
+                Change::Still => row.push("does not move".to_owned()),
+                Change::Moves(m) => {
+                    row.push(measured(m.area));
+                    row.extend(m.bends.cells());
+                }
+                Change::Unknown(why) => row.push(format!("not known: {why}")),
+            }
+            row.resize(columns, String::new());
+            each.row(row);
         }
         if named.is_empty() {
             return format!("{table}\n");
@@ -171,14 +187,24 @@ impl Rates {
         format!("{table}\n\n{each}\n")
     }
 
+    fn has_integrals(&self) -> bool {
+        let moving = |c: &Change| matches!(c, Change::Moves(m) if m.bends.integrals.is_some());
+        self.surfaces.iter().any(moving)
+    }
+
     pub(super) fn json(&self, model: &Model) -> Value {
         let surfaces = model.output().zip(&self.surfaces).map(|(s, change)| {
-            let (motion, why, area) = match change {
+            let (motion, why, moves) = match change {
                 Change::Still => ("still", None, None),
-                Change::Area(a) => ("moves", None, Some(measured_json(*a))),
+                Change::Moves(m) => ("moves", None, Some(m)),
                 Change::Unknown(why) => ("unknown", Some(why), None),
             };
-            json!({ "name": s.name, "motion": motion, "why": why, "area": area })
+            let area = moves.map(|m| measured_json(m.area));
+            let mut all = json!({ "name": s.name, "motion": motion, "why": why, "area": area });
+            if let Some(m) = moves {
+                m.bends.add_to(&mut all);
+            }
+            all
         });
         let ends = |end: usize| self.faces.map(|f| f.map(|axis| face_json(&axis[end])));
         json!({

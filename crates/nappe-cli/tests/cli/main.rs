@@ -8,6 +8,7 @@ mod check;
 mod eval;
 mod examples;
 mod files;
+mod files_back;
 mod help;
 mod info;
 mod intersect;

@@ -4,23 +4,23 @@ use crate::run::Folder;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// How far areas and volumes may be apart, relative, whatever bounds are told.
-const AGREE: f64 = 1e-6;
+pub(crate) const AGREE: f64 = 1e-6;
 /// How far points of exact surfaces may be from ours, relative to the model's diagonal.
 const NEAR: f64 = 1e-9;
 /// The tolerance of surfaces that have no exact form, relative to the diagonal; then their areas can agree.
 const TOLERANCE: f64 = 1e-7;
 /// How near the nearest points are found, relative to the diagonal.
 const FOUND: f64 = 1e-10;
-const ENDINGS: [&str; 2] = ["step", "igs"];
+pub(crate) const ENDINGS: [&str; 2] = ["step", "igs"];
 
 /// An example: what is told about it, and what a test needs of that.
-struct Example {
-    name: String,
-    info: Value,
+pub(crate) struct Example {
+    pub(crate) name: String,
+    pub(crate) info: Value,
     diagonal: f64,
     tolerance: f64,
     /// Millimetres in its unit.
@@ -29,7 +29,7 @@ struct Example {
 
 impl Example {
     /// Builds both files in the folder.
-    fn build(folder: &Folder, path: &Path) -> Example {
+    pub(crate) fn build(folder: &Folder, path: &Path) -> Example {
         let file = path.file_name().unwrap().to_str().unwrap();
         let name = file.trim_end_matches(".nappe.toml").to_owned();
         let model = path.to_str().unwrap();
@@ -133,8 +133,21 @@ impl Example {
     }
 }
 
-fn number(v: &Value) -> f64 {
+pub(crate) fn number(v: &Value) -> f64 {
     v.as_f64().unwrap()
+}
+
+/// The model files of all examples.
+pub(crate) fn examples() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
+    let mut paths: Vec<_> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.to_string_lossy().ends_with(".nappe.toml"))
+        .collect();
+    paths.sort();
+    assert!(!paths.is_empty());
+    paths
 }
 
 /// Python with the other kernel, if there is one.
@@ -155,15 +168,10 @@ fn python() -> Option<String> {
 fn another_kernel_finds_the_same_in_files_of_all_examples() {
     let Some(python) = python() else { return };
     let folder = Folder::new();
-    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples");
-    let mut paths: Vec<_> = std::fs::read_dir(examples)
-        .unwrap()
-        .map(|e| e.unwrap().path())
-        .filter(|p| p.to_string_lossy().ends_with(".nappe.toml"))
+    let examples: Vec<Example> = examples()
+        .iter()
+        .map(|p| Example::build(&folder, p))
         .collect();
-    paths.sort();
-    assert!(!paths.is_empty());
-    let examples: Vec<Example> = paths.iter().map(|p| Example::build(&folder, p)).collect();
     let files = examples
         .iter()
         .flat_map(|e| ENDINGS.map(|ending| folder.path(&format!("{}.{ending}", e.name))));

@@ -21,7 +21,13 @@ from OCP.BRepAdaptor import BRepAdaptor_Curve2d, BRepAdaptor_Surface
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepClass import BRepClass_FaceClassifier
 from OCP.BRepTools import BRepTools
-from OCP.GeomAbs import GeomAbs_BSplineCurve, GeomAbs_BSplineSurface, GeomAbs_Line
+from OCP.GeomAbs import (
+    GeomAbs_BSplineCurve,
+    GeomAbs_BSplineSurface,
+    GeomAbs_Line,
+    GeomAbs_SurfaceOfExtrusion,
+    GeomAbs_SurfaceOfRevolution,
+)
 from OCP.gp import gp_Pnt, gp_Pnt2d, gp_Vec, gp_Vec2d
 from OCP.IFSelect import IFSelect_RetDone
 from OCP.IGESControl import IGESControl_Reader
@@ -32,6 +38,8 @@ from OCP.TopoDS import TopoDS
 
 # How far an integral may be from converged, relative to the face, and how often a piece is halved for that.
 CONVERGED, DEPTH = 1e-9, 12
+# Places of an edge that are looked at.
+SAMPLES = 32
 # Places of each face along either parameter.
 GRID = 3
 
@@ -72,6 +80,19 @@ def between(knots, lo, hi):
     return [lo, *sorted(k for k in knots if lo + width < k < hi - width), hi]
 
 
+def crossings(f, lo, hi):
+    """Where a function changes its sign, as far as some samples see it."""
+    at = [lo + (hi - lo) * i / SAMPLES for i in range(SAMPLES + 1)]
+    for a, b in zip(at, at[1:]):
+        if f(b) == 0:
+            yield b
+        elif f(a) * f(b) < 0:
+            for _ in range(60):
+                mid = (a + b) / 2
+                a, b = (a, mid) if f(a) * f(mid) <= 0 else (mid, b)
+            yield b
+
+
 class Face:
     """Area and flux of x/3 of a face, from OCCT's own derivatives. Its own integrals (BRepGProp) have a fixed number of nodes
     for each face and are wrong by up to three thousandths, whatever accuracy one asks for.
@@ -91,6 +112,11 @@ class Face:
                 [s.UKnot(i + 1) for i in range(s.NbUKnots())],
                 [s.VKnot(i + 1) for i in range(s.NbVKnots())],
             ]
+        # Swept surfaces have the knots of their curves, along u or round the axis along v.
+        along = {GeomAbs_SurfaceOfExtrusion: 0, GeomAbs_SurfaceOfRevolution: 1}.get(self.surface.GetType())
+        if along is not None and self.surface.BasisCurve().GetType() == GeomAbs_BSplineCurve:
+            s = self.surface.BasisCurve().BSpline()
+            self.knots[along] = [s.Knot(i + 1) for i in range(s.NbKnots())]
 
     def element(self, u, v):
         self.surface.D1(u, v, self.p, self.d_u, self.d_v)
@@ -113,6 +139,9 @@ class Face:
         if c.GetType() == GeomAbs_BSplineCurve:
             s = c.BSpline()
             breaks = [s.Knot(i + 1) for i in range(s.NbKnots())]
+            # The surface is less smooth at its own knots.
+            for k, knots in enumerate(self.knots):
+                breaks += [t for knot in knots for t in crossings(lambda t: c.Value(t).Coord(k + 1) - knot, lo, hi)]
         elif c.GetType() == GeomAbs_Line:
             c.D1(lo, p, d)
             for at, speed, knots in ((p.X(), d.X(), self.knots[0]), (p.Y(), d.Y(), self.knots[1])):

@@ -8,13 +8,14 @@ use super::space::{DEEPEST, Space};
 use super::surfaces::is_surface;
 use crate::document::{Document, Item, ItemForm, Lost, note};
 use crate::read::Fault;
+use crate::report::{Progress, Shares};
 use glam::{DAffine3, DVec3};
 use nappe::body::Shell;
 use nappe::curve;
 use nappe::{CurveRef, LARGEST_LENGTH};
 
 /// Reads the bytes of an IGES file.
-pub(crate) fn read(bytes: &[u8]) -> Result<Document, Fault> {
+pub(crate) fn read(bytes: &[u8], progress: Progress<'_>) -> Result<Document, Fault> {
     let space = Space::new(File::new(bytes)?);
     let mut out = Document {
         name: space.name.clone(),
@@ -46,7 +47,9 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Document, Fault> {
     }
     let parts = parts(&space);
     let map = DAffine3::from_scale(DVec3::splat(space.scale));
+    let steps = Shares::new(progress, space.file.entries.len());
     for (i, entry) in space.file.entries.iter().enumerate() {
+        steps.step();
         // That an entity is part of another is seen where it is named: programs also mark single faces so.
         if parts[i] || is_helper(entry) {
             continue;

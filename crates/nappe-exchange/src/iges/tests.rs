@@ -1,8 +1,9 @@
 //! Files of other programs, and short ones with known geometry.
 
-use super::read;
-use super::write::{IgesOptions, text};
+use super::write::{self, IgesOptions, IgesReport};
 use crate::document::{Document, Item, ItemForm};
+use crate::read::Fault;
+use crate::report::Progress;
 use crate::samples::beside;
 use glam::DVec3;
 use nappe::body::{Body, Coedge, Edge, Face, Loop, Shell, Vertex};
@@ -12,6 +13,14 @@ use nappe::{Curve, CurveRef};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 use std::sync::Arc;
+
+fn read(bytes: &[u8]) -> Result<Document, Fault> {
+    super::read(bytes, Progress::default())
+}
+
+fn text(document: &Document, options: &IgesOptions) -> Result<(Vec<u8>, IgesReport), String> {
+    write::text(document, options, Progress::default())
+}
 
 /// A file of the project's own test data.
 fn own(name: &str) -> Vec<u8> {

@@ -199,8 +199,14 @@ fn chain(body: &mut Body, pieces: &[CurveRef]) -> Got<Vec<Coedge>> {
         return Err("a boundary without extent".into());
     }
     let ends: Vec<[DVec3; 2]> = kept.iter().map(|c| c.ends()).collect();
+    // Either end of a circle fits: rounding must not tell which way it runs.
+    let closed: Vec<bool> = kept
+        .iter()
+        .zip(&ends)
+        .map(|(c, [a, b])| a.distance(*b) <= GAP * c.bounds(c.domain()).diagonal())
+        .collect();
     let mut forward = vec![true; n];
-    if n > 1 {
+    if n > 1 && !closed[0] {
         let near = |p: DVec3| {
             ends[1]
                 .iter()
@@ -214,7 +220,7 @@ fn chain(body: &mut Body, pieces: &[CurveRef]) -> Got<Vec<Coedge>> {
     let mut gaps = vec![0.0; n];
     for i in 0..n {
         let before = (i + n - 1) % n;
-        if i > 0 {
+        if i > 0 && !closed[i] {
             let at = end(before, forward[before], true);
             forward[i] = at.distance(ends[i][0]) <= at.distance(ends[i][1]);
         }

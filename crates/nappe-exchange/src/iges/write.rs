@@ -8,6 +8,7 @@ use super::out::Out;
 use super::trimmed::projected_area;
 use crate::atomic::write_atomically;
 use crate::hollow::is_hollow;
+use crate::report::{Progress, Shares};
 use crate::{Document, ExchangeError, Item, ItemForm};
 use glam::DVec3;
 use nappe::body::{Body, Coedge, Face, Loop};
@@ -56,11 +57,21 @@ pub fn write(
     document: &Document,
     options: &IgesOptions,
 ) -> Result<IgesReport, ExchangeError> {
+    write_telling(path, document, options, Progress::default())
+}
+
+/// The same, telling how far it is.
+pub(crate) fn write_telling(
+    path: &Path,
+    document: &Document,
+    options: &IgesOptions,
+    progress: Progress<'_>,
+) -> Result<IgesReport, ExchangeError> {
     if document.items.is_empty() {
         let (path, what) = (path.to_owned(), "surfaces or curves");
         return Err(ExchangeError::Nothing { path, what });
     }
-    let (text, report) = text(document, options).map_err(|why| ExchangeError::Shape {
+    let (text, report) = text(document, options, progress).map_err(|why| ExchangeError::Shape {
         path: path.to_owned(),
         why,
     })?;
@@ -72,9 +83,15 @@ pub fn write(
 pub(super) fn text(
     document: &Document,
     options: &IgesOptions,
+    progress: Progress<'_>,
 ) -> Result<(Vec<u8>, IgesReport), String> {
+    let surfaces = document.items.iter().map(|item| match &item.form {
+        ItemForm::Body { body, .. } => body.faces.len(),
+        _ => 0,
+    });
     let mut w = Writer {
         out: Out::default(),
+        steps: Shares::new(progress, surfaces.sum()),
         options: *options,
         report: IgesReport {
             certainty: Certainty::Exact,
@@ -105,13 +122,15 @@ pub(super) fn text(
     Ok((text, w.report))
 }
 
-struct Writer {
+struct Writer<'p> {
     out: Out,
+    /// One for each surface.
+    steps: Shares<'p>,
     options: IgesOptions,
     report: IgesReport,
 }
 
-impl Writer {
+impl Writer<'_> {
     fn item(&mut self, item: &Item) -> Result<(), String> {
         match &item.form {
             ItemForm::Curve(c) => {
@@ -194,6 +213,7 @@ impl Writer {
             .map_err(|e| e.to_string())?;
         self.report.certainty = self.report.certainty.and(made.certainty);
         self.report.approximated += usize::from(made.certainty != Certainty::Exact);
+        self.steps.step();
         let n = if turned {
             made.nurbs.swapped()
         } else {

@@ -582,6 +582,29 @@ fn faults_of_small_formats_say_where() {
 }
 
 #[test]
+fn degrees_as_large_as_a_number_can_be_are_refused() {
+    let most = format!("degree=\"{}\"", u64::MAX);
+    let second = NET.replacen("degree=\"1\"", "degree=\"?\"", 1);
+    let second = second.replace("degree=\"1\"", &most);
+    for text in [
+        QUARTER.replace("degree=\"2\"", &most),
+        NET.replacen("degree=\"1\"", &most, 1),
+        second.replace("degree=\"?\"", "degree=\"1\""),
+    ] {
+        assert!(text.contains(&most));
+        let told = match read_bytes("xml", text.as_bytes()) {
+            Err(e) => e.to_string(),
+            Ok(Read::Document(d)) => {
+                assert!(d.items.is_empty(), "{text}");
+                format!("{:?}", d.left_out)
+            }
+            Ok(Read::Mesh(_)) => panic!("a mesh"),
+        };
+        assert!(told.contains("degree") || told.contains("points"), "{told}");
+    }
+}
+
+#[test]
 fn any_change_ends_with_a_result() {
     let curves = [
         (format!("3 {FRAME} 5 2"), [0.0, 2.0]),

@@ -274,3 +274,31 @@ fn a_bomb_is_refused() {
     let bytes = zip.finish().unwrap().into_inner();
     assert!(fault("3mf", &bytes).contains("out of proportion"));
 }
+
+/// Lengths whose squares, or whose products, are no numbers or hardly any: sides of 10⁻⁸⁰ enclose 10⁻¹⁶⁰, the square of which
+/// is 0.
+#[test]
+fn triangles_of_any_size_have_unit_normals() {
+    for size in ["1e-80", "1e-150", "1e-7", "1e80"] {
+        let stl = format!(
+            "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex {size} 0 0\nvertex 0 {size} 0\nendloop\nendfacet\n\
+             endsolid\n"
+        );
+        let obj = format!("v 0 0 0\nv {size} 0 0\nv 0 {size} 0\nf 1 2 3\n");
+        for (ending, text) in [("stl", stl), ("obj", obj)] {
+            let Ok(read) = read_bytes(ending, text.as_bytes()) else {
+                continue;
+            };
+            let m = mesh(read);
+            let scene = m.to_scene();
+            assert!(scene.validate().is_ok(), "{ending} {size}");
+            let area = mesh_facts(&m).area;
+            assert!(area.is_finite() && area >= 0.0, "{ending} {size}: {area}");
+            let patches = scene.mesh.patches.iter();
+            for v in patches.flat_map(|p| &p.vertices) {
+                let off = (v.normal - DVec3::Z).length();
+                assert!(off < 1e-12, "{ending} {size}: {}", v.normal);
+            }
+        }
+    }
+}

@@ -2,8 +2,8 @@
 
 use nappe::body::sew;
 use nappe::curve::Line;
-use nappe::surface::{SurfaceRef, Torus, TorusOptions, bilinear};
-use nappe::{DVec3, Revolution, RevolutionOptions};
+use nappe::surface::{SurfaceRef, Torus, TorusOptions, bilinear, ruled};
+use nappe::{DAffine3, DVec3, Dir, NurbsCurve, Revolution, RevolutionOptions};
 use nappe_exchange::iges;
 use nappe_exchange::{
     Document, Item, ItemForm, Progress, Scene, WriteOptions, mesh_document, write,
@@ -94,6 +94,37 @@ fn document() -> Document {
     }
 }
 
+/// A part of a turn of a spline, and a spline that is moved.
+fn swept() -> Document {
+    let points = [
+        [2.0, 0.0, 0.0],
+        [3.0, 0.0, 1.0],
+        [1.0, 0.0, 2.0],
+        [0.0, 0.0, 2.0],
+    ];
+    let curve = NurbsCurve::bezier(&points.map(DVec3::from), None).unwrap();
+    let other = curve.transformed(&DAffine3::from_translation(DVec3::Y));
+    let options = RevolutionOptions {
+        angle: 2.0,
+        ..RevolutionOptions::default()
+    };
+    let turned = Revolution::new(Arc::new(curve.clone()), nappe::Frame::WORLD, options);
+    let moved = ruled(Arc::new(curve), Arc::new(other), Dir::U);
+    let surfaces: [SurfaceRef; 2] = [Arc::new(turned.unwrap()), Arc::new(moved.unwrap())];
+    let item = |surface| Item {
+        name: String::new(),
+        colour: None,
+        form: ItemForm::Body {
+            body: sew(&[surface], 1e-9).body,
+            faces: Vec::new(),
+        },
+    };
+    Document {
+        items: surfaces.into_iter().map(item).collect(),
+        ..Document::default()
+    }
+}
+
 fn written(ending: &str, scene: &Scene) -> Vec<u8> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join(format!("a.{ending}"));
@@ -122,6 +153,11 @@ pub(crate) fn of(ending: &str) -> Vec<Vec<u8>> {
                 ..Scene::default()
             };
             all.push(written(ending, &scene));
+            let swept = Scene {
+                document: swept(),
+                ..Scene::default()
+            };
+            all.push(written(ending, &swept));
             if ending == "igs" {
                 let dir = tempfile::tempdir().unwrap();
                 let path = dir.path().join("a.igs");

@@ -13,7 +13,9 @@ mod peers;
 mod round;
 #[path = "../shared/mod.rs"]
 mod shared;
-mod speed;
+mod swept;
+mod together;
+mod told;
 
 use nappe::body::sew;
 use nappe::surface::SurfaceRef;

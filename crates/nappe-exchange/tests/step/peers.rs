@@ -1,7 +1,11 @@
 //! Another kernel reads what we write, where it is installed.
 
 use crate::files::FILES;
-use crate::shared;
+use crate::swept;
+use crate::{sewn, shared, written};
+use nappe::measure::{IntegralOptions, area};
+use nappe::query::{Finder, FinderOptions};
+use nappe::{DVec3, Units};
 use nappe_exchange::step::{self, Schema, StepOptions};
 use serde_json::Value;
 use std::path::PathBuf;
@@ -74,6 +78,62 @@ fn public_files_written_again_are_the_same_to_another_kernel() {
                 (a - b).abs() <= allowed(name) * a.abs(),
                 "{name}: {key} {a} against {b}"
             );
+        }
+    }
+}
+
+#[test]
+fn swept_surfaces_are_whole_and_the_same_to_another_kernel() {
+    let dir = tempfile::tempdir().unwrap();
+    let all = swept::all();
+    let files = all.iter().enumerate().map(|(i, (_, surface))| {
+        let path = dir.path().join(format!("{i}.step"));
+        let document = sewn(std::slice::from_ref(surface), Units::Millimetre);
+        std::fs::write(&path, written(&document, Schema::Ap242)).unwrap();
+        path
+    });
+    let answers = dir.path().join("answers.json");
+    let script = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../nappe-cli/tests/peers/occt_files.py"
+    );
+    let python = std::env::var("NAPPE_PEERS_PYTHON").unwrap_or_else(|_| "python3".into());
+    let output = Command::new(python)
+        .arg(script)
+        .arg(&answers)
+        .args(files)
+        .output();
+    let Some(output) = output.ok().filter(|o| o.status.code() != Some(3)) else {
+        eprintln!("skipped: Open CASCADE (cadquery-ocp) is not installed");
+        return;
+    };
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{told}");
+    let answers: Vec<Value> = serde_json::from_slice(&std::fs::read(answers).unwrap()).unwrap();
+    for ((name, surface), answer) in all.iter().zip(&answers) {
+        assert_eq!(answer["read"], true, "{name}");
+        assert_eq!(answer["valid"], true, "{name}");
+        let [face] = answer["faces"].as_array().unwrap().as_slice() else {
+            panic!("{name}: not one face");
+        };
+        let own = area(surface.as_ref(), &IntegralOptions::default());
+        let theirs = face["area"].as_f64().unwrap();
+        assert!(
+            (own.value - theirs).abs() <= AGREE * own.value,
+            "{name}: area {} against {theirs}",
+            own.value
+        );
+        let options = FinderOptions {
+            tol: Some(1e-11),
+            ..FinderOptions::default()
+        };
+        let finder = Finder::new(std::slice::from_ref(surface), options).unwrap();
+        let points = face["points"].as_array().unwrap();
+        assert!(!points.is_empty(), "{name}");
+        for p in points {
+            let [x, y, z] = [0, 1, 2].map(|i| p[i].as_f64().unwrap());
+            let far = finder.nearest(DVec3::new(x, y, z)).unwrap().distance;
+            assert!(far <= 1e-9, "{name}: {far:e}");
         }
     }
 }

@@ -45,9 +45,9 @@ const BOUNDS: &str = "
 * **T5, nearest points**: bounds of parts of the surface, best first, from boxes and from the curvature of the distance; then
   Newton's method, whose gradients prove the gap. Of the two, the bounds take more time.
 * **T6, mesh**: of coarse meshes, the enclosures that prove the tolerance and the samples of squares with few triangles. Of
-  fine ones, about half goes into dividing squares (a quarter of it into samples along sides, a fifth into bounds for their
-  parts), a third into evaluating vertices and emitting triangles, and an eighth into first touching fresh memory. The lines
-  to begin with, and the numbering in between, run on one thread.
+  fine ones, about half goes into dividing squares (a quarter of it into bounds for their parts, as much into squares of few
+  triangles beside pieces and sides), under a third into evaluating vertices and emitting triangles, and a fifth into first
+  touching fresh memory. The choice of grids and the numbering in between run on one thread.
 
 Grids are the same as single points to the last bit, with any instruction set and any number of threads. Lists are the
 same with any instruction set and any number of threads, and agree with single points within four units in the last place

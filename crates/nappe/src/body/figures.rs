@@ -9,7 +9,7 @@ use super::region::{Corner, Region, Step};
 use super::triangulate::{Failure, triangulate};
 use super::{Body, BodyMeshError, FaceError, Loop, Shell};
 use crate::box3::Box3;
-use crate::breaks::{Breaks, Limit};
+use crate::breaks::Limit;
 use crate::measure::Measured;
 use crate::mesh::{Certainty, MeshOptions};
 use crate::parallel;
@@ -35,6 +35,8 @@ const ALONG: [usize; 2] = [7, 5];
 /// The same along a part of x, and the parts of the domain.
 const ACROSS: [usize; 2] = [12, 8];
 const PARTS: f64 = 12.0;
+/// How near the parameter of a piece of the border is found at which it crosses a line.
+const CROSSING: f64 = 1e-12;
 /// Relative rounding of sums.
 const ROUNDING: f64 = 1e-12;
 /// A closed edge no larger than this share of the body is a point, as at a pole: nothing is open there.
@@ -240,8 +242,70 @@ impl<'a> Integral<'a> {
         Ok(found)
     }
 
-    /// Adds the integral of F dy over a piece of the border with a parameter from 0 to 1.
+    /// Adds the integral of F dy over a piece of the border with a parameter from 0 to 1, cut where F is not smooth.
     fn piece(&self, region: &Region, start: f64, total: &mut Total, at: impl Fn(f64) -> Place) {
+        let cuts = self.cuts(region, &at);
+        for part in cuts.windows(2) {
+            let width = part[1] - part[0];
+            self.part(region, start, total, |s| {
+                let (xy, slope, off) = at(part[0] + width * s);
+                (xy, slope * width, off * width)
+            });
+        }
+    }
+
+    /// Where a piece crosses lines of y at which the surface is not smooth, with its ends.
+    fn cuts(&self, region: &Region, at: &impl Fn(f64) -> Place) -> Vec<f64> {
+        let y = |s: f64| at(s).0[1];
+        let (a, b) = (y(0.0), y(1.0));
+        let mut cuts = vec![0.0];
+        if a != b {
+            for line in self.breaks(region, 1, [a.min(b), a.max(b)]) {
+                let (mut low, mut high) = (0.0, 1.0);
+                // As if y grew evenly, which it most often does; else by halves.
+                for guess in [(line - a) / (b - a), 0.5] {
+                    for step in [0.0, -CROSSING, CROSSING] {
+                        let s: f64 = (guess + step).clamp(low, high);
+                        let is_before = (y(s) < line) == (a < line);
+                        *(if is_before { &mut low } else { &mut high }) = s;
+                    }
+                }
+                while high - low > CROSSING {
+                    let s = 0.5 * (low + high);
+                    let is_before = (y(s) < line) == (a < line);
+                    *(if is_before { &mut low } else { &mut high }) = s;
+                }
+                cuts.push(0.5 * (low + high));
+            }
+        }
+        cuts.push(1.0);
+        cuts.sort_by(f64::total_cmp);
+        cuts
+    }
+
+    /// Breaks of the surface by x (`d` is 0) or y inside a range of the unrolled plane.
+    fn breaks(&self, region: &Region, d: usize, [lo, hi]: [f64; 2]) -> Vec<f64> {
+        let plane = region.plane;
+        let lifts: Vec<f64> = match plane.period[d] {
+            Some(p) => (-3..=3).map(|k| f64::from(k) * p).collect(),
+            None => vec![0.0],
+        };
+        let dir = if (d == 0) == plane.turned {
+            Dir::V
+        } else {
+            Dir::U
+        };
+        let breaks = self.task.charts[self.face].surface.breaks(dir);
+        // y is -u in a turned plane.
+        let sign = if plane.turned && d == 1 { -1.0 } else { 1.0 };
+        let places = breaks
+            .iter()
+            .flat_map(|b| lifts.iter().map(move |l| sign * b.at + l));
+        places.filter(|&c| lo < c && c < hi).collect()
+    }
+
+    /// Adds the integral of F dy where it is smooth, by a parameter from 0 to 1.
+    fn part(&self, region: &Region, start: f64, total: &mut Total, at: impl Fn(f64) -> Place) {
         let mut rules = [[0.0; 2]; 2];
         for (r, rule) in rules.iter_mut().enumerate() {
             for &[s, w] in &self.along[r] {
@@ -345,18 +409,9 @@ impl<'a> Integral<'a> {
     fn along_x(&self, region: &Region, start: f64, [x, y]: [f64; 2]) -> (Pair, Pair) {
         let chart = &self.task.charts[self.face];
         let plane = region.plane;
-        let dir = if plane.turned { Dir::V } else { Dir::U };
-        let breaks = chart.surface.breaks(dir);
-        let whole = breaks.domain();
+        let whole = chart.domain[usize::from(plane.turned)];
         let mut cuts = vec![start, x];
-        let (lo, hi) = (start.min(x), start.max(x));
-        let lifts: Vec<f64> = match plane.period[0] {
-            Some(p) => (-3..=3).map(|k| f64::from(k) * p).collect(),
-            None => vec![0.0],
-        };
-        for b in breaks {
-            cuts.extend(lifts.iter().map(|l| b.at + l).filter(|&c| lo < c && c < hi));
-        }
+        cuts.extend(self.breaks(region, 0, [start.min(x), start.max(x)]));
         cuts.sort_by(f64::total_cmp);
         let (mut total, mut error) = ([0.0; 2], [0.0; 2]);
         for w in cuts.windows(2) {

@@ -116,11 +116,13 @@ impl Plane {
         if self.turned { [-y, x] } else { [x, y] }
     }
 
-    /// A side at an end of y that is one point: its y.
-    fn pole(self, chart: &Chart, upper: bool) -> Option<(Pole, f64)> {
-        let across = usize::from(!self.turned);
-        let sign = if self.turned { -1.0 } else { 1.0 };
-        let end = upper != self.turned;
+    /// A side at an end of x (`d` is 0) or y that is one point: its x or y.
+    pub(super) fn pole(self, chart: &Chart, d: usize, upper: bool) -> Option<(Pole, f64)> {
+        let across = if self.turned { 1 - d } else { d };
+        // y is -u in a turned plane.
+        let against = self.turned && d == 1;
+        let sign = if against { -1.0 } else { 1.0 };
+        let end = upper != against;
         let pole = chart
             .poles
             .iter()
@@ -266,7 +268,7 @@ pub(super) fn region(
         && (plane.period[1].is_some()
             || [false, true]
                 .iter()
-                .all(|&end| plane.pole(chart, end).is_some()));
+                .all(|&end| plane.pole(chart, 1, end).is_some()));
     let largest = flat
         .iter()
         .map(Chain::area)
@@ -323,7 +325,7 @@ fn ends(
         forward: plus.len(),
         backward: minus.len(),
     };
-    let has = |upper: bool| plane.pole(chart, upper).is_some();
+    let has = |upper: bool| plane.pole(chart, 1, upper).is_some();
     // How near the loops come to an end.
     let ys: Vec<f64> = plus
         .iter()
@@ -333,7 +335,7 @@ fn ends(
         .map(|c| c.xy[1])
         .collect();
     let line = |region: &mut Region, upper: bool| {
-        let (_, y) = plane.pole(chart, upper)?;
+        let (_, y) = plane.pole(chart, 1, upper)?;
         let reach = ys
             .iter()
             .map(|o| (y - o).abs())
@@ -431,7 +433,7 @@ fn ring(
     allowed: f64,
 ) -> Option<Chain> {
     let plane = region.plane;
-    let (pole, y) = plane.pole(chart, upper)?;
+    let (pole, y) = plane.pole(chart, 1, upper)?;
     let x = plane.xy([chart.domain[0].lo, chart.domain[1].lo])[0];
     let mut height = 0.5 * reach.min(0.5 * chart.domain[pole.d].width());
     let inwards = if upper { -1.0 } else { 1.0 };
@@ -611,28 +613,31 @@ fn chain(
             None => next[d],
         });
         let jumps = (0..2).any(|d| (to[d] - end[d]).abs() > JUMP * width[d]);
-        let pole = [false, true].into_iter().find(|&upper| {
-            plane.pole(chart, upper).is_some_and(|(pole, y)| {
-                let near = (end[1] - y).abs() <= AT_POLE * width[1];
-                // A vertex that is a little off, from where edges go on in different directions.
-                let far = || chart.point(plane.uv(end)).distance(pole.point);
-                near || (jumps && far() <= tol)
-            })
+        // Where x has a period only y ends in poles; without one either may.
+        let ends = [(1, false), (1, true), (0, false), (0, true)];
+        let pole = ends.into_iter().find_map(|(d, upper)| {
+            let (pole, at) = plane.pole(chart, d, upper)?;
+            let near = (end[d] - at).abs() <= AT_POLE * width[d];
+            // A vertex that is a little off, from where edges go on in different directions.
+            let far = || chart.point(plane.uv(end)).distance(pole.point);
+            (near || (jumps && far() <= tol)).then_some((d, upper, at))
         });
-        if let Some(upper) = pole {
-            let y = plane.pole(chart, upper).map_or(end[1], |(_, y)| y);
-            if let Some(p) = plane.period[0] {
+        if let Some((d, upper, at)) = pole {
+            let along = 1 - d;
+            if let Some(p) = plane.period[along] {
                 // The face is on the left, so a pole above it is passed against x.
                 let way = if upper { -1.0 } else { 1.0 };
-                let by = (way * (next[0] - end[0])).rem_euclid(p);
+                let by = (way * (next[along] - end[along])).rem_euclid(p);
                 let by = if by <= AT_POLE * p { p } else { by };
-                to[0] = end[0] + way * by;
+                to[along] = end[along] + way * by;
             }
-            let steps = (((to[0] - end[0]).abs() / width[0] * 16.0).ceil() as usize).max(1);
+            let way = to[along] - end[along];
+            let steps = ((way.abs() / width[along] * 16.0).ceil() as usize).max(1);
             for i in 0..steps {
-                let x = end[0] + (to[0] - end[0]) * i as f64 / steps as f64;
+                let mut xy = [at; 2];
+                xy[along] = end[along] + way * i as f64 / steps as f64;
                 corners.push(Corner {
-                    xy: [x, y],
+                    xy,
                     id: run.ids[last],
                     step: Step::Straight,
                 });

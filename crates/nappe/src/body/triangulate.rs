@@ -7,7 +7,8 @@ use glam::DVec3;
 use rustc_hash::{FxHashMap, FxHashSet};
 use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
 use spade::{
-    ConstrainedDelaunayTriangulation, HasPosition, Point2, PositionInTriangulation, Triangulation,
+    ConstrainedDelaunayTriangulation, HasPosition, HierarchyHintGenerator, Point2,
+    PositionInTriangulation, Triangulation,
 };
 use std::collections::VecDeque;
 
@@ -25,7 +26,8 @@ impl HasPosition for Node {
     }
 }
 
-type Delaunay = ConstrainedDelaunayTriangulation<Node>;
+/// With a hierarchy of hints: places are looked for all over, and a walk through the thin triangles of a long border is long.
+type Delaunay = ConstrainedDelaunayTriangulation<Node, (), (), (), HierarchyHintGenerator<f64>>;
 
 /// Triangles with their parameters.
 pub(super) struct Triangles {

@@ -5,7 +5,7 @@ use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit};
 use crate::exact::NurbsCurve;
 use crate::interval::Interval;
-use crate::surface::{Dir, Side, SurfaceRef, jet_index, jet_len};
+use crate::surface::{Dir, Side, Surface, SurfaceRef, jet_index, jet_len};
 use glam::DVec3;
 use smallvec::SmallVec;
 
@@ -132,6 +132,26 @@ impl Curve for Isocurve {
     fn to_nurbs(&self) -> Option<NurbsCurve> {
         let s = self.0.surface.to_nurbs()?;
         Some(s.isocurve(self.0.along, self.0.at, self.0.limit))
+    }
+
+    /// Of a side also that of a surface with other parameters: its sides are the same.
+    fn to_rational(&self) -> Option<NurbsCurve> {
+        let across = match self.0.along {
+            Dir::U => Dir::V,
+            Dir::V => Dir::U,
+        };
+        let own = self.0.surface.breaks(across).domain();
+        if ![own.lo, own.hi].contains(&self.0.at) {
+            return self.to_nurbs();
+        }
+        let s = self.0.surface.to_rational()?;
+        let range = s.breaks(across).domain();
+        let at = if self.0.at == own.lo {
+            range.lo
+        } else {
+            range.hi
+        };
+        Some(s.isocurve(self.0.along, at, self.0.limit))
     }
 }
 

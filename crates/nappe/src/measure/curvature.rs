@@ -89,7 +89,7 @@ const FLAT: f64 = 1e-6;
 /// Where a tangent is shorter than this part of the longest along the same parameter no curvature is sampled: it is divided
 /// by its square, which leaves 10 of 16 digits at 10⁻³. (A needle is thin everywhere: that is no pole.) Smaller, and rounding beside a pole would pass for curvature; larger, and the samples
 /// would miss what is in a pole.
-const CLEAR: f64 = 1e-3;
+pub(super) const CLEAR: f64 = 1e-3;
 
 /// The degree of the Taylor polynomials. Higher degrees need fewer boxes but each costs more.
 const DEGREE: usize = 6;
@@ -98,7 +98,7 @@ const DEGREE: usize = 6;
 const LINES: usize = 9;
 
 /// The longest tangents along u and v at samples inside.
-fn longest(surface: &dyn Surface) -> [f64; 2] {
+pub(super) fn longest(surface: &dyn Surface) -> [f64; 2] {
     let domain = surface.domain();
     let at =
         |d: usize, k: usize| domain[d].lo + domain[d].width() * (k as f64 + 0.5) / LINES as f64;

@@ -83,19 +83,19 @@ pub fn curvature_variation(surface: &dyn Surface, options: &IntegralOptions) -> 
         ..Goal::one(options)
     };
     let found = integrate(&[surface], &integrand, &goal)[0][0];
-    let sampled = || {
-        estimate(surface, 3, &|d| {
-            let jet = SurfaceJet { d: d.into() };
-            let area = d[1].cross(d[2]).length();
-            [curvature_derivative(&jet).map_or(0.0, |t| length2(t) * area)]
-        })[0]
-    };
     if !found.is_finite() {
-        return sampled();
+        return sampled_variation(surface);
     }
     let found = Interval::new(found.lo.max(0.0), found.hi.max(0.0));
     let close = is_close(found) || found.hi <= 2.0 * goal.least;
-    measured(found, if close { f64::NAN } else { sampled().value })
+    measured(
+        found,
+        if close {
+            f64::NAN
+        } else {
+            sampled_variation(surface).value
+        },
+    )
 }
 
 /// `|∇II|² dA` beside a pole.
@@ -223,6 +223,15 @@ pub fn curvature_derivative(jet: &SurfaceJet) -> Option<[f64; 4]> {
     let t2 = (uvv / a - b * b * t0 - 2.0 * b * c * t1) / (c * c);
     let t3 = (vvv - b * b * b * t0 - 3.0 * b * b * c * t1 - 3.0 * b * c * c * t2) / (c * c * c);
     Some([t0, t1, t2, t3])
+}
+
+/// The variation of curvature from samples.
+pub(super) fn sampled_variation(surface: &dyn Surface) -> Measured {
+    estimate(surface, 3, &|d| {
+        let jet = SurfaceJet { d: d.into() };
+        let area = d[1].cross(d[2]).length();
+        [curvature_derivative(&jet).map_or(0.0, |t| length2(t) * area)]
+    })[0]
 }
 
 /// The square of the length of a symmetric form of three arguments.

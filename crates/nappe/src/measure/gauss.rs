@@ -79,16 +79,9 @@ pub fn total_curvature(surface: &dyn Surface, options: &IntegralOptions) -> Tota
         ..Goal::one(options)
     };
     let found = integrate(&[surface], &integrand, &goal)[0][0];
-    let sampled = || {
-        estimate(surface, 2, &|d| {
-            let jet = SurfaceJet { d: d.into() };
-            let area = d[1].cross(d[2]).length();
-            [super::curvature(&jet).map_or(0.0, |c| c.gaussian.abs() * area)]
-        })[0]
-    };
     if !found.is_finite() {
         return TotalCurvature {
-            value: sampled(),
+            value: sampled_sweep(surface),
             developable: Developable::Unknown,
         };
     }
@@ -96,7 +89,7 @@ pub fn total_curvature(surface: &dyn Surface, options: &IntegralOptions) -> Tota
     let best = if is_close(found) || found.hi <= 2.0 * SMALL {
         f64::NAN
     } else {
-        sampled().value
+        sampled_sweep(surface).value
     };
     let developable = match found {
         _ if found.lo > 0.0 => Developable::No,
@@ -114,6 +107,15 @@ pub fn total_curvature(surface: &dyn Surface, options: &IntegralOptions) -> Tota
         _ => measured(found, best),
     };
     TotalCurvature { value, developable }
+}
+
+/// `∫ |K| dA` from samples.
+pub(super) fn sampled_sweep(surface: &dyn Surface) -> Measured {
+    estimate(surface, 2, &|d| {
+        let jet = SurfaceJet { d: d.into() };
+        let area = d[1].cross(d[2]).length();
+        [super::curvature(&jet).map_or(0.0, |c| c.gaussian.abs() * area)]
+    })[0]
 }
 
 /// True if the tangents are continuous.

@@ -8,7 +8,8 @@
 //! have to exist. This is newest-vertex bisection (Maubach, *Local bisection refinement*, 1995).
 //!
 //! The vertices that first are corners of squares of the depths `3 b + 1` to `3 b + 3` make up the band `b`; those in a square
-//! of the depth `3 b` are 8 × 8 bits of one tile. The crossings of lines are all there, and need no bits.
+//! of the depth `3 b` are 8 × 8 bits of one tile. The crossings of lines are all there, and need no bits. So a square is
+//! refined with some masks, and what its vertices need comes from shifts of whole tiles, once all squares are refined.
 
 use rustc_hash::FxHashMap;
 use std::sync::Arc;
@@ -22,11 +23,41 @@ pub(super) const DEPTH: u32 = 33;
 pub(super) const CELL: u64 = 1 << DEPTH;
 
 /// The depths of one band.
-const BAND: u32 = 3;
+pub(super) const BAND: u32 = 3;
+/// The places along each direction of a tile.
+pub(super) const WIDE: u32 = 1 << BAND;
 /// Gives the place of a vertex along one direction of a tile.
 const WITHIN: u64 = (1 << BAND) - 1;
 /// The number of bands: the smallest squares have no vertices inside.
-const BANDS: usize = (DEPTH / BAND) as usize;
+pub(super) const BANDS: usize = (DEPTH / BAND) as usize;
+
+/// The places of a tile along u by the bits of a byte.
+const ROWS: [u64; 256] = {
+    let mut out = [0; 256];
+    let mut k = 0;
+    while k < 256 {
+        let mut i = 0;
+        while i < 8 {
+            if (k >> i) & 1 == 1 {
+                out[k] |= 0xff << (8 * i);
+            }
+            i += 1;
+        }
+        k += 1;
+    }
+    out
+};
+/// The same along v, times the byte.
+const COLUMN: u64 = 0x0101_0101_0101_0101;
+/// The multiples of 1, 2, 4 and 8 within a tile, and the odd multiples.
+const MULTIPLES: [u8; 4] = [0xff, 0x55, 0x11, 0x01];
+const ODD: [u8; 3] = [0xaa, 0x44, 0x10];
+
+/// The bits at some places along u and along v.
+#[inline]
+const fn bits(u: u8, v: u8) -> u64 {
+    ROWS[u as usize] & (v as u64 * COLUMN)
+}
 
 /// A square of the quadtree over one cell.
 #[derive(Clone, Copy, Debug)]
@@ -72,31 +103,37 @@ impl Square {
         let [i, j] = self.corner.map(|x| x / self.size());
         (i + j).is_multiple_of(2)
     }
-
-    fn middles(self) -> [Place; 4] {
-        let ([x, y], h) = (self.corner, self.size() / 2);
-        [
-            [x + h, y],
-            [x + h, y + 2 * h],
-            [x, y + h],
-            [x + 2 * h, y + h],
-        ]
-    }
 }
 
 /// The vertices of one band in a square, by bits.
 #[derive(Clone, Debug)]
-struct Tile {
-    name: Name,
-    /// One for each place, v fastest.
-    bits: u64,
+pub(super) struct Tile {
+    pub(super) name: Name,
+    /// One for each place, v fastest; never the first, which is the corner of a larger square.
+    pub(super) bits: u64,
 }
 
 /// The band and the place of a tile.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Name {
-    band: u32,
-    at: [u64; 2],
+pub(super) struct Name {
+    pub(super) band: u32,
+    pub(super) at: [u64; 2],
+}
+
+impl Name {
+    /// That of the tile beside, at an upper end.
+    pub(super) fn beside(self, d: usize) -> Self {
+        let mut at = self.at;
+        at[d] += 1;
+        Self { at, ..self }
+    }
+
+    /// The vertex at some steps of the tile from its lower corner.
+    #[inline]
+    pub(super) fn place(self, within: [u32; 2]) -> Place {
+        let shift = DEPTH - BAND * (self.band + 1);
+        [0, 1].map(|d| ((self.at[d] << BAND) + u64::from(within[d])) << shift)
+    }
 }
 
 /// Where a vertex that is no crossing of lines has its bit.
@@ -124,27 +161,22 @@ impl Bit {
             number: (((i & WITHIN) << BAND) | (j & WITHIN)) as u32,
         })
     }
+}
 
-    /// If it is set.
-    #[inline]
-    fn is_in(&self, bits: u64) -> bool {
-        bits >> self.number & 1 == 1
-    }
+/// The numbers of the bits that are set, from the lowest on.
+pub(super) fn each(mut bits: u64) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let number = bits.trailing_zeros();
+        // Without the lowest bit.
+        bits &= bits.checked_sub(1)?;
+        Some(number)
+    })
 }
 
 impl Tile {
     /// The vertices, v fastest.
     fn places(&self) -> impl Iterator<Item = Place> {
-        let Name { band, at } = self.name;
-        let shift = DEPTH - BAND * (band + 1);
-        let mut bits = self.bits;
-        std::iter::from_fn(move || {
-            let number = u64::from(bits.trailing_zeros());
-            // Without the lowest bit.
-            bits &= bits.checked_sub(1)?;
-            let within = [number >> BAND, number & WITHIN];
-            Some([0, 1].map(|d| (at[d] << BAND | within[d]) << shift))
-        })
+        each(self.bits).map(|n| self.name.place([n >> BAND, n & (WIDE - 1)]))
     }
 }
 
@@ -153,12 +185,14 @@ impl Tile {
 pub(super) struct Bisection {
     /// The lines of constant u and v, increasing.
     pub(super) lines: Arc<[Vec<f64>; 2]>,
-    tiles: Vec<Tile>,
+    pub(super) tiles: Vec<Tile>,
     index: FxHashMap<Name, u32>,
     /// For each band the tile that was used last: the next vertex is mostly in the same.
     last: [u32; BANDS],
     /// The number of vertices.
     count: usize,
+    /// True if all vertices have what they need.
+    closed: bool,
 }
 
 impl Bisection {
@@ -179,16 +213,15 @@ impl Bisection {
             tiles: Vec::new(),
             index: FxHashMap::default(),
             last: [0; BANDS],
+            closed: true,
         }
     }
 
     /// Adds the vertices of another triangulation of the same lines: each has with it what it needs.
     pub(super) fn join(&mut self, other: &Self) {
+        debug_assert!(other.closed);
         for tile in &other.tiles {
-            let own = self.tile(tile.name);
-            let new = tile.bits & !own.bits;
-            own.bits |= new;
-            self.count += new.count_ones() as usize;
+            self.set(tile.name, tile.bits);
         }
     }
 
@@ -207,15 +240,33 @@ impl Bisection {
         self.cells().map(|n| (n as u64) << DEPTH)
     }
 
+    /// Adds vertices of a tile.
+    #[inline]
+    fn set(&mut self, name: Name, bits: u64) {
+        let tile = self.tile(name);
+        let new = bits & !tile.bits;
+        tile.bits |= new;
+        self.count += new.count_ones() as usize;
+    }
+
     fn insert(&mut self, place: Place) -> bool {
         let Some(bit) = Bit::of(place) else {
             return false;
         };
-        let tile = self.tile(bit.tile);
-        let new = !bit.is_in(tile.bits);
-        tile.bits |= 1 << bit.number;
-        self.count += usize::from(new);
-        new
+        let before = self.count;
+        self.set(bit.tile, 1 << bit.number);
+        self.count > before
+    }
+
+    /// True if no vertex lacks what it needs.
+    pub(super) fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// The number of a tile, if it has vertices.
+    #[inline]
+    pub(super) fn find(&self, name: Name) -> Option<usize> {
+        self.index.get(&name).map(|&k| k as usize)
     }
 
     /// A tile that is there from now on.
@@ -295,119 +346,165 @@ impl Bisection {
         })
     }
 
-    /// Halves all triangles of a square `levels` times, if they are not yet.
+    /// Halves all triangles of a square `levels` times, if they are not yet. What its vertices need elsewhere is to be added
+    /// by [`Self::close`].
     pub(super) fn refine(&mut self, square: Square, levels: u32) {
-        if levels >= 1 {
-            self.add(square.centre());
+        let depth = square.depth + levels / 2;
+        if depth > square.depth {
+            for band in square.depth / BAND..depth.div_ceil(BAND) {
+                let finest = BAND * (band + 1);
+                self.mark(
+                    square,
+                    band,
+                    MULTIPLES[(finest - depth.min(finest)) as usize],
+                );
+            }
         }
-        if levels >= 2 {
-            square.middles().into_iter().for_each(|m| self.add(m));
+        if levels % 2 == 1 {
+            // The centres of its parts.
+            let band = depth / BAND;
+            self.mark(square, band, ODD[(BAND * (band + 1) - depth - 1) as usize]);
         }
-        if levels >= 3 {
-            for child in square.children() {
-                self.refine(child, levels - 2);
+        self.closed &= levels == 0;
+    }
+
+    /// Adds the vertices of a band in a square and on its sides, at some places along both directions of a tile.
+    fn mark(&mut self, square: Square, band: u32, places: u8) {
+        let finest = BAND * (band + 1);
+        let size = 1 << (finest - square.depth);
+        let from = square.corner.map(|x| x >> (DEPTH - finest));
+        let [us, vs] = from.map(|x| x >> BAND..=(x + size) >> BAND);
+        let within = |d: usize, tile: u64| {
+            let first = tile << BAND;
+            let lo = from[d].max(first) - first;
+            let hi = (from[d] + size).min(first + WITHIN) - first;
+            places & (0xff << lo) & (0xff >> (WITHIN - hi))
+        };
+        for u in us {
+            let rows = within(0, u);
+            for v in vs.clone() {
+                let new = bits(rows, within(1, v)) & !1;
+                if new != 0 {
+                    self.set(Name { band, at: [u, v] }, new);
+                }
             }
         }
     }
 
-    /// Gives all vertices numbers.
-    pub(super) fn numbered(&self) -> Numbered<'_> {
-        let [n, m] = [0, 1].map(|d| self.lines[d].len());
-        let mut places = Vec::with_capacity(self.count);
-        places.extend((0..n * m).map(|k| [k / m, k % m].map(|i| (i as u64) << DEPTH)));
-        let first = self.tiles.iter().map(|tile| {
-            let first = places.len() as u32;
-            places.extend(tile.places());
-            first
-        });
-        let first = first.collect();
-        Numbered {
-            net: self,
-            first,
-            places,
+    /// Adds what all vertices need.
+    pub(super) fn close(&mut self) {
+        if self.closed {
+            return;
         }
-    }
-}
-
-/// A triangulation whose vertices have numbers.
-pub(super) struct Numbered<'a> {
-    net: &'a Bisection,
-    /// The number of the first vertex of each tile.
-    first: Vec<u32>,
-    /// All vertices by their numbers.
-    pub(super) places: Vec<Place>,
-}
-
-impl Numbered<'_> {
-    /// The triangles of a cell as the numbers of their vertices, counter-clockwise, the right angle first.
-    pub(super) fn triangles(&self, cell: [usize; 2], mut emit: impl FnMut([u32; 3])) {
-        let columns = self.net.lines[1].len();
-        let square = Square::cell(cell);
-        let ([x, y], [z, w]) = (square.corner, square.upper());
-        let [a, b, c, d] = [[x, y], [z, y], [z, w], [x, w]].map(|p| {
-            let [i, j] = p.map(|x| (x >> DEPTH) as usize);
-            (p, (i * columns + j) as u32)
-        });
-        let halves = if (cell[0] + cell[1]).is_multiple_of(2) {
-            [[b, c, a], [d, a, c]]
-        } else {
-            [[a, b, d], [c, d, b]]
-        };
-        let mut finder = Finder {
-            of: self,
-            last: [(NOWHERE, None); BANDS],
-        };
-        for half in halves {
-            finder.halved(half, &mut emit);
-        }
-    }
-}
-
-/// No tile is there.
-const NOWHERE: [u64; 2] = [u64::MAX; 2];
-
-/// Looks for the numbers of vertices that lie near each other.
-struct Finder<'a> {
-    of: &'a Numbered<'a>,
-    /// For each band the place and the number of the tile that was looked for last.
-    last: [([u64; 2], Option<u32>); BANDS],
-}
-
-impl Finder<'_> {
-    /// The number of a vertex that is no crossing of lines, if it is one.
-    #[inline]
-    fn number(&mut self, place: Place) -> Option<u32> {
-        let bit = Bit::of(place)?;
-        let net = self.of.net;
-        let last = &mut self.last[bit.tile.band as usize];
-        if last.0 != bit.tile.at {
-            *last = (bit.tile.at, net.index.get(&bit.tile).copied());
-        }
-        let tile = last.1? as usize;
-        let bits = net.tiles[tile].bits;
-        let below = bits & ((1 << bit.number) - 1);
-        bit.is_in(bits)
-            .then(|| self.of.first[tile] + below.count_ones())
-    }
-
-    fn halved(&mut self, [a, b, c]: [(Place, u32); 3], emit: &mut impl FnMut([u32; 3])) {
-        // The smallest sides have none.
-        let sum = [0, 1].map(|d| b.0[d] + c.0[d]);
-        let p = sum.map(|s| s / 2);
-        let middle = (sum.iter().all(|s| s % 2 == 0)).then(|| self.number(p));
-        match middle.flatten() {
-            Some(number) => {
-                let m = (p, number);
-                self.halved([m, a, b], emit);
-                self.halved([m, c, a], emit);
+        let mut bands: [Vec<u32>; BANDS] = std::array::from_fn(|_| Vec::new());
+        let mut known = 0;
+        // Tiles that are new since the last time: what vertices need is in the same band or those before.
+        let mut look = |net: &Self, bands: &mut [Vec<u32>; BANDS]| {
+            for (k, tile) in net.tiles.iter().enumerate().skip(known) {
+                bands[tile.name.band as usize].push(k as u32);
             }
-            None => emit([a.1, b.1, c.1]),
+            known = net.tiles.len();
+        };
+        look(self, &mut bands);
+        for band in (0..BANDS).rev() {
+            for step in [1, 2, 4] {
+                // What middles of sides need are centres of the same squares, and these need the corners.
+                for of in [Self::add_centres, Self::add_corners] {
+                    for k in 0..bands[band].len() {
+                        of(self, bands[band][k] as usize, step);
+                    }
+                    look(self, &mut bands);
+                }
+            }
+        }
+        self.closed = true;
+    }
+
+    /// Adds the centres of the squares beside whose side the middles are vertices of a tile, at odd multiples of some steps.
+    fn add_centres(&mut self, tile: usize, step: u32) {
+        let Tile { name, bits: all } = self.tiles[tile];
+        let k = step.trailing_zeros() as usize;
+        let (odd, even) = (ODD[k], MULTIPLES[k + 1]);
+        let (last, shift) = (self.last(), DEPTH - BAND * name.band);
+        let mut own = 0;
+        for (d, middles) in [all & bits(even, odd), all & bits(odd, even)]
+            .into_iter()
+            .enumerate()
+            .filter(|m| m.1 != 0)
+        {
+            // A step along u is a byte, one along v a bit.
+            let unit = if d == 0 { WIDE } else { 1 };
+            let first = middles & [0xff, COLUMN][d];
+            if name.at[d] << shift < last[d] {
+                own |= middles << (step * unit);
+            }
+            own |= (middles & !first) >> (step * unit);
+            if first != 0 && name.at[d] > 0 {
+                let mut at = name.at;
+                at[d] -= 1;
+                self.set(Name { at, ..name }, first << ((WIDE - step) * unit));
+            }
+        }
+        let new = own & !self.tiles[tile].bits;
+        self.tiles[tile].bits |= new;
+        self.count += new.count_ones() as usize;
+    }
+
+    /// Adds the corners that have to be there for the centres of squares among the vertices of a tile, at odd multiples of
+    /// some steps: those that are not on the diagonal.
+    fn add_corners(&mut self, tile: usize, step: u32) {
+        let Tile { name, bits: all } = self.tiles[tile];
+        let odd = ODD[step.trailing_zeros() as usize];
+        let centres = all & bits(odd, odd);
+        if centres == 0 {
+            return;
+        }
+        // The squares whose numbers have an even sum.
+        let even = match step {
+            1 => bits(0x22, 0x22) | bits(0x88, 0x88),
+            2 => bits(0x04, 0x04) | bits(0x40, 0x40),
+            _ if (name.at[0] + name.at[1]).is_multiple_of(2) => u64::MAX,
+            _ => 0,
+        };
+        let (even, odd) = (centres & even, centres & !even);
+        // Centres in the last row and in the last column have corners in the tiles beside.
+        let (row, column) = (0xff << (WIDE * (WIDE - step)), COLUMN << (WIDE - step));
+        let (along, across) = (step * WIDE, step);
+        let own = (even & !row) << along >> across
+            | (even & !column) >> along << across
+            | odd >> along >> across
+            | (odd & !row & !column) << along << across;
+        let above = WIDE - step;
+        let (mut east, mut north) = (
+            (even & row) >> (WIDE * above) >> across,
+            (even & column) >> above >> along,
+        );
+        east |= (odd & row & !column) >> (WIDE * above) << across;
+        north |= (odd & column & !row) >> above << along;
+        let new = own & !self.tiles[tile].bits & !1;
+        self.tiles[tile].bits |= new;
+        self.count += new.count_ones() as usize;
+        // The corners of the tile are of earlier bands.
+        let corners = [
+            (own & 1 == 1, [0, 0]),
+            (east & 1 == 1, [WIDE, 0]),
+            (north & 1 == 1, [0, WIDE]),
+            (odd & row & column != 0, [WIDE, WIDE]),
+        ];
+        for (_, within) in corners.into_iter().filter(|c| c.0) {
+            self.insert(name.place(within));
+        }
+        for (d, new) in [east & !1, north & !1].into_iter().enumerate() {
+            if new != 0 {
+                self.set(name.beside(d), new);
+            }
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::numbered::Numbered;
     use super::*;
     use crate::laws::Random;
     use std::collections::HashMap;
@@ -416,12 +513,15 @@ mod tests {
     fn examined(net: &Bisection) -> (f64, HashMap<[u32; 2], i32>) {
         let (mut area, mut sides) = (0.0, HashMap::new());
         let [n, m] = net.cells();
-        let numbered = net.numbered();
-        assert_eq!(numbered.places.len(), net.count());
+        let numbered = Numbered::plain(net);
+        let places = numbered.places();
+        assert_eq!(places.len(), net.count());
         for cell in (0..n).flat_map(|i| (0..m).map(move |j| [i, j])) {
-            numbered.triangles(cell, |t| {
-                let [a, b, c] =
-                    t.map(|k| numbered.places[k as usize].map(|x| x as f64 / CELL as f64));
+            numbered.triangles(cell, |t, halved| {
+                let corners = t.map(|k| places[k as usize]);
+                let crossing = |p: &Place| p.iter().all(|x| x.is_multiple_of(CELL));
+                assert_eq!(halved, !corners.iter().all(crossing));
+                let [a, b, c] = corners.map(|p| p.map(|x| x as f64 / CELL as f64));
                 let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
                 assert!(twice > 0.0);
                 area += twice;
@@ -449,9 +549,10 @@ mod tests {
                 for _ in 0..depth {
                     square = square.children()[(random.unit() * 4.0) as usize];
                 }
-                net.refine(square, (random.unit() * 5.0) as u32);
+                net.refine(square, (random.unit() * 9.0) as u32);
+                net.close();
                 let (area, sides) = examined(&net);
-                let places = net.numbered().places;
+                let places = Numbered::plain(&net).places();
                 assert_eq!(area, 2.0 * f64::from(n * m));
                 // A side without partner lies on the border.
                 for (side, count) in sides {
@@ -478,11 +579,13 @@ mod tests {
             one.refine(square, k % 4);
             shares[k as usize % 2].refine(square, k % 4);
         }
+        one.close();
+        shares.iter_mut().for_each(Bisection::close);
         let mut joined = whole();
         shares.iter().for_each(|s| joined.join(s));
         assert_eq!(joined.count(), one.count());
         let sorted = |net: &Bisection| {
-            let mut places = net.numbered().places;
+            let mut places = Numbered::plain(net).places();
             places.sort_unstable();
             places
         };
@@ -491,12 +594,54 @@ mod tests {
     }
 
     #[test]
+    fn closing_adds_just_what_each_vertex_needs() {
+        let mut random = Random(9);
+        for round in 0..200 {
+            let lines = || [vec![0.0, 1.0, 2.0, 3.0], vec![0.0, 1.0, 2.0]];
+            let (mut net, mut one_by_one) = (Bisection::new(lines()), Bisection::new(lines()));
+            for _ in 0..=round % 4 {
+                let mut square = Square::cell([3.0, 2.0].map(|n| (random.unit() * n) as usize));
+                for _ in 0..(random.unit() * 11.0) as u32 {
+                    square = square.children()[(random.unit() * 4.0) as usize];
+                }
+                let levels = (random.unit() * 8.0) as u32;
+                net.refine(square, levels);
+                // The middles of longest sides, from halving to halving.
+                let mut squares = vec![square];
+                for level in 0..levels {
+                    for square in &squares {
+                        if level % 2 == 0 {
+                            one_by_one.add(square.centre());
+                            continue;
+                        }
+                        let ([x, y], h) = (square.corner, square.size() / 2);
+                        for (i, j) in [(1, 0), (0, 1), (1, 2), (2, 1)] {
+                            one_by_one.add([x + i * h, y + j * h]);
+                        }
+                    }
+                    if level % 2 == 1 {
+                        squares = squares.into_iter().flat_map(Square::children).collect();
+                    }
+                }
+            }
+            net.close();
+            assert_eq!(net.count(), one_by_one.count());
+            let vertices = |net: &Bisection| {
+                let tiles = net.tiles.iter().map(|t| ((t.name.band, t.name.at), t.bits));
+                tiles.collect::<std::collections::BTreeMap<_, _>>()
+            };
+            assert_eq!(vertices(&net), vertices(&one_by_one));
+        }
+    }
+
+    #[test]
     fn a_refined_square_has_all_its_triangles() {
         for levels in 0..7 {
             let mut net = Bisection::new([vec![0.0, 1.0], vec![0.0, 1.0]]);
             net.refine(Square::cell([0, 0]), levels);
+            net.close();
             let mut count = 0;
-            net.numbered().triangles([0, 0], |_| count += 1);
+            Numbered::plain(&net).triangles([0, 0], |_, _| count += 1);
             assert_eq!(count, 2 << levels);
         }
     }

@@ -5,7 +5,7 @@
 //! which these bounds are not for, are left open, and those along its sides where the bounds say much too much.
 
 use super::bisection::{Bisection, DEPTH, Square};
-use super::partners::Bound;
+use super::levels::Level;
 use super::parts::{Beside, Parts};
 
 /// With so few bisections, looking at the parts of a square saves hardly a triangle.
@@ -43,8 +43,8 @@ enum Choice {
 }
 
 impl Node {
-    fn settled(bound: &Bound, tol: f64, grain: f64) -> Option<Self> {
-        let (level, deviation) = bound.level(tol, grain)?;
+    fn settled(need: &Level) -> Option<Self> {
+        let (level, deviation) = need.settled()?;
         Some(Self {
             choice: Choice::Settled(level),
             triangles: triangles(level),
@@ -53,11 +53,10 @@ impl Node {
     }
 
     /// With the triangles that it needs at best.
-    fn open(best: &Bound, tol: f64) -> Option<Self> {
-        let (level, _) = best.level(tol, 0.0)?;
+    fn open(need: &Level) -> Option<Self> {
         Some(Self {
             choice: Choice::Open,
-            triangles: triangles(level),
+            triangles: triangles(need.best()?),
             deviation: 0.0,
         })
     }
@@ -73,7 +72,8 @@ impl Node {
 
 /// Those of a square after some bisections.
 pub(super) fn triangles(level: u32) -> f64 {
-    2.0f64.powi(level as i32 + 1)
+    // 2^(level + 1), by its exponent.
+    f64::from_bits((1024 + u64::from(level)) << 52)
 }
 
 impl Division {
@@ -86,16 +86,16 @@ impl Division {
         let mut sizes: Vec<Vec<Node>> = Vec::with_capacity(depth as usize + 1);
         for depth in (0..=depth).rev() {
             let n = 1 << depth;
-            let bounds = parts.all(n);
+            let needs = parts.levels(n, grain * n as f64, tol);
             let node = |k: usize, open: bool| {
-                let [bound, best] = &bounds[k];
-                let other = Node::open(best, tol);
+                let need = &needs[k];
+                let other = Node::open(need);
                 if parts.beside([k / n, k % n], n) == Beside::Corner {
                     return other;
                 }
                 let other = other.filter(|_| open);
                 let most = other.map_or(f64::INFINITY, |o| ENOUGH_KNOWN * o.triangles);
-                let settled = Node::settled(bound, tol, grain * n as f64);
+                let settled = Node::settled(need);
                 settled.filter(|s| s.triangles <= most).or(other)
             };
             let nodes: Option<Vec<Node>> = match sizes.last() {
@@ -125,7 +125,7 @@ impl Division {
                     return None;
                 }
                 // Twice the triangles have half the error.
-                let errors = bounds.iter().map(|[_, best]| best.error[0] / tol);
+                let errors = needs.iter().map(|need| need.best_error / tol);
                 fewest = 2.0 * errors.sum::<f64>();
             }
             sizes.push(nodes);
@@ -176,7 +176,19 @@ impl Division {
                 done.triangles += node.triangles;
             }
             Choice::Quartered => {
-                net.refine(part, 2);
+                let quarters = [0, 1].map(|k| {
+                    let first = ((2 * i + k) << (depth + 1)) + 2 * j;
+                    &self.sizes[depth + 1][first..first + 2]
+                });
+                // A quarter that is halved needs its corners, and these the rest.
+                let halved = |q: &Node| match q.choice {
+                    Choice::Settled(level) => level > 0,
+                    Choice::Quartered => true,
+                    Choice::Open => false,
+                };
+                if !quarters.into_iter().flatten().all(halved) {
+                    net.refine(part, 2);
+                }
                 for (k, quarter) in part.children().into_iter().enumerate() {
                     let at = [depth + 1, 2 * i + (k & 1), 2 * j + (k >> 1)];
                     self.refine_part(net, quarter, open, at, done);
@@ -197,6 +209,7 @@ pub(super) struct Refined {
 
 #[cfg(test)]
 mod tests {
+    use super::super::numbered::Numbered;
     use super::super::partners::{Framed, Place};
     use super::super::pieces::Pieces;
     use super::*;
@@ -253,9 +266,11 @@ mod tests {
         assert_eq!(refined.triangles, division.triangles());
         // What the neighbours of small squares need comes on top.
         let (mut count, mut least) = (0.0, f64::INFINITY);
-        let numbered = net.numbered();
-        numbered.triangles([0, 0], |t| {
-            let [a, b, c] = t.map(|k| net.uv(numbered.places[k as usize]));
+        net.close();
+        let numbered = Numbered::plain(&net);
+        let places = numbered.places();
+        numbered.triangles([0, 0], |t, _| {
+            let [a, b, c] = t.map(|k| net.uv(places[k as usize]));
             let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
             least = least.min(0.5 * twice);
             count += 1.0;

@@ -44,8 +44,10 @@ const LOOSE: f64 = 16.0;
 /// The least share of the tolerance that is kept for points between partners.
 const LEAST_BETWEEN: f64 = 1.0 / 64.0;
 /// The shares of a block that threads work on, and the squares to begin with.
-const SHARES: usize = 16;
+const SHARES: usize = 32;
 const ENOUGH: usize = 64;
+/// From so many pieces on, they are enclosed on all threads before squares ask for them.
+const MANY_PIECES: usize = 16;
 /// A grid with so few cells needs no sharper bound.
 const FEW: f64 = 2.0;
 
@@ -283,6 +285,9 @@ impl Layout {
             normal: None,
         };
         let between = **between;
+        if (MANY_PIECES..=region.each().count()).contains(&pieces.count()) {
+            pieces.prepare(demand.threads);
+        }
         let blank = self.net.of_lines();
         let work = || Work::new(demand, between, blank.of_lines(), pieces, block);
         let mut open: Vec<Square> = region.each().map(Square::cell).collect();
@@ -295,7 +300,7 @@ impl Layout {
         let shares: Vec<_> = open[done..]
             .chunks(open[done..].len().div_ceil(SHARES).max(1))
             .collect();
-        self.join(first.found, demand)?;
+        self.join(first.closed(), demand)?;
         let total = AtomicUsize::new(0);
         let (mut complete, mut joined) = (0, Ok(()));
         parallel::in_order(
@@ -423,7 +428,13 @@ impl<'a> Work<'a> {
                 self.square(square, &mut open)?;
             }
         }
-        Ok(self.found)
+        Ok(self.closed())
+    }
+
+    /// What was found, with all vertices that others need.
+    fn closed(mut self) -> Found {
+        self.found.net.close();
+        self.found
     }
 
     /// Refines a square, or leaves that to its children.

@@ -32,8 +32,10 @@ mod division;
 mod flatten;
 mod joints;
 mod layout;
+mod levels;
 mod lines;
 mod measured;
+mod numbered;
 mod options;
 mod partial;
 mod partners;
@@ -230,7 +232,7 @@ enum Built {
 /// The triangles of one surface.
 struct Patch {
     patch: MeshPatch,
-    /// The points that are not shared, numbered after those that are.
+    /// The points that are not shared, numbered after those that are; of the first patch these come first.
     own: Vec<DVec3>,
     turned_over: bool,
 }
@@ -347,13 +349,10 @@ impl Task<'_> {
             return Ok(Built::TurnedOver(turned_over));
         }
         let shared = points.len();
-        let count = shared + patches.iter().map(|p| p.own.len()).sum::<usize>();
-        // Those of the first patch, after the shared ones, have their numbers already.
-        let mut all = patches
-            .first_mut()
-            .map_or_else(Vec::new, |p| take(&mut p.own));
+        let count = patches.iter().map(|p| p.own.len()).sum::<usize>();
+        // Those of the first patch are after the shared ones and have their numbers already.
+        let mut all = patches.first_mut().map_or(points, |p| take(&mut p.own));
         all.reserve_exact(count - all.len());
-        all.splice(..0, points);
         for p in patches.iter_mut().skip(1) {
             let shift = (all.len() - shared) as u32;
             let own = |v: &&mut MeshVertex| v.point as usize >= shared;
@@ -435,6 +434,8 @@ impl Task<'_> {
                 point: on_border.get(&lines::key(edge.uv(edge.range.lo))).copied(),
             }
         });
+        let own = if i == 0 { shared.to_vec() } else { Vec::new() };
+        let ahead = own.len();
         let mut builder = Builder {
             index: i,
             surface,
@@ -443,7 +444,9 @@ impl Task<'_> {
             collapsed: collapsed.collect(),
             on_sides: on_border,
             shared,
-            own: Vec::new(),
+            own,
+            ahead,
+            lacking: false,
             patch: MeshPatch {
                 vertices: Vec::new(),
                 triangles: Vec::new(),

@@ -128,8 +128,10 @@ pub(super) fn greatest_of(all: impl IntoIterator<Item = f64>) -> f64 {
 }
 
 /// The size of the triangles' legs, as a share of the square's, after an even number of bisections.
-fn share(level: u32) -> f64 {
-    1.0 / (1u64 << (level / 2)) as f64
+#[inline(always)]
+pub(super) fn share(level: u32) -> f64 {
+    // 2^-k, by its exponent.
+    f64::from_bits((1023 - u64::from(level / 2)) << 52)
 }
 
 /// The second derivatives of a function along the sides of a rectangle: `uu Δu²`, `uv Δu Δv`, `vv Δv²`.

@@ -29,6 +29,7 @@
 //! what is bounded by Popoviciu's inequality.
 
 use super::bound::ROUND_UP;
+use super::levels::{Level, Levels};
 use super::partners::{Bound, Framed, Place, length2, middle, partners, rest};
 use super::pieces::{Local, ORDER, Polynomial, falling, powers};
 use crate::scalar::Pack;
@@ -98,44 +99,51 @@ impl Parts {
         }
     }
 
-    /// The bounds for so many parts along each direction, v fastest, in terms of the parts, each with what could be said at
-    /// best. Those of parts [`Beside::Corner`] do not hold.
-    pub(super) fn all(&self, count: usize) -> Vec<[Bound; 2]> {
-        let mut out = self.some::<NOWHERE>(count, count * count, |k| [k / count, k % count]);
+    /// The fewest bisections of so many parts along each direction, v fastest. Those of parts [`Beside::Corner`] do not hold.
+    pub(super) fn levels(&self, count: usize, grain: f64, tol: f64) -> Vec<Level> {
+        self.every(count, || Levels::new(grain, tol))
+    }
+
+    /// What is told of all parts.
+    fn every<T: Tell>(&self, count: usize, new: impl Fn() -> T) -> Vec<T::Told> {
+        let all = |k: usize| [k / count, k % count];
+        let mut out = self.some::<_, NOWHERE>(count, count * count, all, new());
         for (d, upper) in [(0, false), (0, true), (1, false), (1, true)] {
             if !self.touches[d][usize::from(upper)] {
                 continue;
             }
             let at = if upper { count - 1 } else { 0 };
             let on = if d == 0 {
-                self.some::<1>(count, count, |k| [at, k])
+                self.some::<_, 1>(count, count, |k| [at, k], new())
             } else {
-                self.some::<0>(count, count, |k| [k, at])
+                self.some::<_, 0>(count, count, |k| [k, at], new())
             };
-            for (k, bound) in on.into_iter().enumerate() {
+            for (k, told) in on.into_iter().enumerate() {
                 out[if d == 0 {
                     at * count + k
                 } else {
                     k * count + at
-                }] = bound;
+                }] = told;
             }
         }
         out
     }
 
-    /// The bounds for some of so many parts along each direction; see [`Self::bounds`].
-    fn some<const ALONG: usize>(
+    /// What is told of some of so many parts along each direction; see [`Self::bounds`].
+    fn some<T: Tell, const ALONG: usize>(
         &self,
         count: usize,
         number: usize,
         at: impl Fn(usize) -> [usize; 2],
-    ) -> Vec<[Bound; 2]> {
+        mut tell: T,
+    ) -> Vec<T::Told> {
         let mut out = Vec::with_capacity(number);
-        InstructionSet::best().run(Chosen::<_, ALONG> {
+        InstructionSet::best().run(Chosen::<_, _, ALONG> {
             parts: self,
             count,
             number,
             at,
+            tell: &mut tell,
             out: &mut out,
         });
         out
@@ -164,7 +172,16 @@ impl Parts {
             Beside::Side(_) => self.bounds::<_, 1>(middle, 1),
             Beside::Corner => return None,
         };
-        Some(bounds.map(|x| x.1).told()[0])
+        let both = |x: [Lanes<Single>; 2]| x.map(|x| x.1);
+        let bounds = Bounds {
+            error: both(bounds.error),
+            best: both(bounds.best),
+            skew: bounds.skew.map(both),
+            cubic: bounds.cubic.1,
+            added: both(bounds.added),
+            slip: both(bounds.slip),
+        };
+        Some(bounds.told())
     }
 
     /// Those for parts with their middles there, in shares of the square from its middle: beside a side of the block that
@@ -398,57 +415,53 @@ fn splat<R: Registers, const N: usize>(r: R, x: [f64; N]) -> [Lanes<R>; N] {
 }
 
 /// The numbers of a [`Bound`], of several parts or one.
-struct Bounds<T> {
-    error: [T; 2],
+pub(super) struct Bounds<T> {
+    pub(super) error: [T; 2],
     /// Instead of `error`, what could be said at best.
-    best: [T; 2],
-    skew: [[T; 2]; 2],
-    cubic: T,
-    added: [T; 2],
-    slip: [T; 2],
-}
-
-impl<T> Bounds<T> {
-    #[inline(always)]
-    fn map<S>(&self, of: impl Fn(&T) -> S) -> Bounds<S> {
-        let both = |x: &[T; 2]| [of(&x[0]), of(&x[1])];
-        Bounds {
-            error: both(&self.error),
-            best: both(&self.best),
-            skew: [both(&self.skew[0]), both(&self.skew[1])],
-            cubic: of(&self.cubic),
-            added: both(&self.added),
-            slip: both(&self.slip),
-        }
-    }
+    pub(super) best: [T; 2],
+    pub(super) skew: [[T; 2]; 2],
+    pub(super) cubic: T,
+    pub(super) added: [T; 2],
+    pub(super) slip: [T; 2],
 }
 
 impl Bounds<f64> {
-    /// The bound, and what it could be at best.
-    fn told(self) -> [Bound; 2] {
-        let bound = Bound {
+    fn told(&self) -> Bound {
+        Bound {
             error: self.error,
             skew: self.skew,
             cubic: self.cubic,
             added: self.added,
             slip: self.slip,
             shift: 0.0,
-        };
-        let error = self.best;
-        [bound, Bound { error, ..bound }]
+        }
     }
 }
 
+/// What is wanted of the bounds.
+pub(super) trait Tell {
+    /// Of each part.
+    type Told;
+    /// Adds it for the first `number` parts of a register; must be inlined.
+    fn tell<R: Registers>(
+        &mut self,
+        bounds: &Bounds<Lanes<R>>,
+        number: usize,
+        out: &mut Vec<Self::Told>,
+    );
+}
+
 /// The bounds for some parts, a register of them at a time.
-struct Chosen<'a, At, const ALONG: usize> {
+struct Chosen<'a, T: Tell, At, const ALONG: usize> {
     parts: &'a Parts,
     count: usize,
     number: usize,
     at: At,
-    out: &'a mut Vec<[Bound; 2]>,
+    tell: &'a mut T,
+    out: &'a mut Vec<T::Told>,
 }
 
-impl<At: Fn(usize) -> [usize; 2], const ALONG: usize> Kernel for Chosen<'_, At, ALONG> {
+impl<T: Tell, At: Fn(usize) -> [usize; 2], const ALONG: usize> Kernel for Chosen<'_, T, At, ALONG> {
     #[inline(always)]
     fn run<R: Registers>(self, r: R) {
         let n = self.count;
@@ -462,17 +475,8 @@ impl<At: Fn(usize) -> [usize; 2], const ALONG: usize> Kernel for Chosen<'_, At, 
             }
             let at = [Lanes::load(r, &x), Lanes::load(r, &y)];
             let bounds = self.parts.bounds::<_, ALONG>(at, n);
-            let bounds = bounds.map(
-                #[inline(always)]
-                |x| {
-                    let mut all = [0.0; Pack::LANES];
-                    x.store(&mut all);
-                    all
-                },
-            );
-            for lane in 0..R::LANES.min(self.number - first) {
-                self.out.push(bounds.map(|x| x[lane]).told());
-            }
+            let number = R::LANES.min(self.number - first);
+            self.tell.tell(&bounds, number, self.out);
         }
     }
 }
@@ -480,6 +484,8 @@ impl<At: Fn(usize) -> [usize; 2], const ALONG: usize> Kernel for Chosen<'_, At, 
 #[cfg(test)]
 mod tests {
     use super::super::bisection::{Bisection, CELL, Square};
+    use super::super::levels::DEEPEST;
+    use super::super::numbered::Numbered;
     use super::*;
     use crate::box3::Box3;
     use crate::interval::Interval;
@@ -600,6 +606,58 @@ mod tests {
         }
     }
 
+    /// The bounds themselves, each with what could be said at best.
+    struct All;
+
+    impl Tell for All {
+        type Told = [Bound; 2];
+        #[inline(always)]
+        fn tell<R: Registers>(
+            &mut self,
+            bounds: &Bounds<Lanes<R>>,
+            number: usize,
+            out: &mut Vec<[Bound; 2]>,
+        ) {
+            let lane = |x: &Lanes<R>, k: usize| {
+                let mut all = [0.0; Pack::LANES];
+                x.store(&mut all);
+                all[k]
+            };
+            for k in 0..number {
+                let both = |x: &[Lanes<R>; 2]| [lane(&x[0], k), lane(&x[1], k)];
+                let of = Bounds {
+                    error: both(&bounds.error),
+                    best: both(&bounds.best),
+                    skew: [both(&bounds.skew[0]), both(&bounds.skew[1])],
+                    cubic: lane(&bounds.cubic, k),
+                    added: both(&bounds.added),
+                    slip: both(&bounds.slip),
+                };
+                let bound = of.told();
+                let error = of.best;
+                out.push([bound, Bound { error, ..bound }]);
+            }
+        }
+    }
+
+    /// The bounds of all parts; [`Parts::levels`] has to say the same.
+    fn all_bounds(parts: &Parts, n: usize) -> Vec<[Bound; 2]> {
+        let all = parts.every(n, || All);
+        for tol in [1e-1, 1e-3, 1e-5] {
+            for grain in [0.0, 1e-3] {
+                let levels = parts.levels(n, grain, tol);
+                assert_eq!(levels.len(), all.len());
+                for (level, [bound, best]) in levels.iter().zip(&all) {
+                    let known = |x: Option<(u32, f64)>| x.filter(|x| x.0 <= DEEPEST);
+                    assert_eq!(level.settled(), known(bound.level(tol, grain)));
+                    assert_eq!(level.best(), known(best.level(tol, 0.0)).map(|x| x.0));
+                    assert_eq!(level.best_error, best.error[0]);
+                }
+            }
+        }
+        all
+    }
+
     /// The greatest distance of the triangles of a part after some bisections.
     fn bisected(graph: &Graph, depth: u32, part: Square, level: u32) -> f64 {
         let lines = [vec![-0.5, 0.5], vec![-0.5, 0.5]];
@@ -607,10 +665,12 @@ mod tests {
         net.refine(Square::cell([0, 0]), 2 * depth);
         net.refine(part, level);
         let [lower, upper] = [net.uv(part.corner), net.uv(part.upper())];
-        let numbered = net.numbered();
+        net.close();
+        let numbered = Numbered::plain(&net);
+        let places = numbered.places();
         let mut worst = 0.0f64;
-        numbered.triangles([0, 0], |t| {
-            let corners = t.map(|k| net.uv(numbered.places[k as usize]));
+        numbered.triangles([0, 0], |t, _| {
+            let corners = t.map(|k| net.uv(places[k as usize]));
             let inside = |d: usize| {
                 let mid = (corners[0][d] + corners[1][d] + corners[2][d]) / 3.0;
                 lower[d] < mid && mid < upper[d]
@@ -659,7 +719,7 @@ mod tests {
             for depth in 0..3 {
                 let parts = Parts::new(&framed, &place, &graph.local());
                 let n = 1 << depth;
-                for (k, [bound, best]) in parts.all(n).into_iter().enumerate() {
+                for (k, [bound, best]) in all_bounds(&parts, n).into_iter().enumerate() {
                     let size = CELL >> depth;
                     let corner = [k / n, k % n].map(|i| i as u64 * size);
                     let part = Square { corner, depth };
@@ -721,7 +781,7 @@ mod tests {
             let parts = Parts::new(&framed, &place, &graph.local());
             for depth in 0..3 {
                 let n = 1 << depth;
-                for (k, [bound, best]) in parts.all(n).into_iter().enumerate() {
+                for (k, [bound, best]) in all_bounds(&parts, n).into_iter().enumerate() {
                     let at = [k / n, k % n];
                     if parts.beside(at, n) != Beside::Side(1 - d) {
                         continue;

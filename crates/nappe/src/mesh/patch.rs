@@ -5,9 +5,10 @@
 //! Each remaining triangle gets its own vertex at that point, with the normal of the middle of its opposite edge, so that
 //! the tip of a cone is shaded like its flank.
 
-use super::bisection::{CELL, DEPTH, Numbered, Place};
+use super::bisection::Place;
 use super::layout::{Layout, Region};
 use super::lines::{Key, index, key};
+use super::numbered::{MARKED, Numbered, Share};
 use super::options::MeshError;
 use super::slide::is_turned;
 use super::stitch::Border;
@@ -15,17 +16,17 @@ use super::{MeshPatch, MeshVertex};
 use crate::breaks::{Limit, inwards};
 use crate::interval::Interval;
 use crate::parallel;
-use crate::surface::{Side, Surface, jet_len, normal_at, normal_from};
+use crate::surface::{PlainNormals, Side, Surface, jet_len, normal_at, normal_from};
 use glam::DVec3;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 use std::mem::take;
 
 /// Shares of the way to the middle of a triangle at which a normal is looked for where not even a limit exists.
 const INWARD: [f64; 4] = [1e-6, 1e-4, 1e-2, 0.5];
 /// From so many vertices on, the preparations of a list are worth while, and so are threads.
 const LIST: usize = 4096;
-/// The vertices that are evaluated at once: their derivatives stay in the caches.
-const AT_ONCE: usize = 1024;
+/// About the vertices that are evaluated at once: their derivatives stay in the caches.
+const AT_ONCE: usize = 512;
 /// About the triangles that a thread hands out at once, if cells have not more.
 const SHARE: usize = 2048;
 
@@ -46,12 +47,16 @@ pub(super) struct Builder<'a> {
     /// The lines that are one point each.
     pub(super) collapsed: Vec<Collapsed>,
     /// The points on the sides.
-    pub(super) on_sides: HashMap<Key, u32>,
+    pub(super) on_sides: FxHashMap<Key, u32>,
     /// The points that it shares with others.
     pub(super) shared: &'a [DVec3],
-    /// Its own points, numbered after the shared ones.
+    /// Its own points, numbered after the shared ones; if it is the first, after these themselves.
     pub(super) own: Vec<DVec3>,
+    /// The number of points that are ahead of its own ones there.
+    pub(super) ahead: usize,
     pub(super) patch: MeshPatch,
+    /// True if a vertex may lack a normal.
+    pub(super) lacking: bool,
     /// The largest distance of a vertex' point from the surface.
     pub(super) gap: f64,
     /// The rounding errors of points.
@@ -73,6 +78,16 @@ struct Spot {
     number: Option<u32>,
 }
 
+/// Some vertices of the patch inside of blocks, with the points of their own.
+struct Plain {
+    vertices: Vec<MeshVertex>,
+    own: Vec<DVec3>,
+    /// The parameters of a point that is not finite.
+    not_finite: Option<[f64; 2]>,
+    /// True if a normal is still to be found.
+    lacking: bool,
+}
+
 /// A vertex of the net on the surface: the normal is the limit from above, and zero where the tangents do not tell.
 struct Site {
     uv: [f64; 2],
@@ -80,8 +95,9 @@ struct Site {
     normal: DVec3,
 }
 
-/// A vertex of the net on a side or between blocks: triangles there take a closer look.
+/// A vertex of the net on a side or between blocks, marked there: triangles take a closer look.
 struct Special {
+    place: Place,
     site: Site,
     point: u32,
     /// The vertex of the patch, and the block that it is one for, from 1; blocks differ in the normals on common lines.
@@ -92,8 +108,7 @@ struct Special {
 /// What is known about the vertices of the net and the block being worked on.
 struct Work<'a> {
     net: &'a Numbered<'a>,
-    /// For each vertex that of the patch, or [`SPECIAL`] and the number among the special ones.
-    vertices: Vec<u32>,
+    /// The marked vertices.
     special: Vec<Special>,
     block: u32,
     range: [Interval; 2],
@@ -101,16 +116,12 @@ struct Work<'a> {
     normal: Option<DVec3>,
 }
 
-/// What numbers of special vertices have and those of others have not.
-const SPECIAL: u32 = 1 << 31;
-
 impl Work<'_> {
     /// The special vertex of a number, or else the vertex of the patch.
     fn special(&self, number: u32) -> Result<&Special, u32> {
-        let vertex = self.vertices[number as usize];
-        match vertex.checked_sub(SPECIAL) {
+        match number.checked_sub(MARKED) {
             Some(k) => Ok(&self.special[k as usize]),
-            None => Err(vertex),
+            None => Err(number),
         }
     }
 }
@@ -120,33 +131,14 @@ impl Work<'_> {
 struct Cells {
     /// Those without special vertices, by the vertices of the patch.
     plain: Vec<[u32; 3]>,
-    /// The others, by those of the net.
-    special: Vec<[u32; 3]>,
+    /// The others, by those of the net, and whether they are halves.
+    special: Vec<([u32; 3], bool)>,
     turned_over: bool,
 }
 
 impl Builder<'_> {
     /// Makes all triangles.
     pub(super) fn run(&mut self) -> Result<(), MeshError> {
-        let layout = self.layout;
-        let net = layout.net.numbered();
-        let mut work = self.vertices(&net)?;
-        let plain = self.patch.vertices.len();
-        self.patch.triangles.reserve(2 * net.places.len());
-        for region in &layout.regions {
-            let [i, j] = region.block;
-            work.block = 1 + (i * layout.blocks[1].len() + j) as u32;
-            work.range = [0, 1].map(|d| layout.blocks[d][region.block[d]]);
-            work.normal = region.normal;
-            self.region(region, &mut work)?;
-        }
-        self.find_normals(plain);
-        self.complete_normals();
-        Ok(())
-    }
-
-    /// Makes the vertices of the patch that are inside of blocks, and gives the others their points.
-    fn vertices<'n>(&mut self, net: &'n Numbered) -> Result<Work<'n>, MeshError> {
         let layout = self.layout;
         let cuts = [0, 1].map(|d| -> Vec<bool> {
             let blocks = &layout.blocks[d];
@@ -156,38 +148,43 @@ impl Builder<'_> {
             };
             layout.net.lines[d].iter().map(is_cut).collect()
         });
-        let is_special = |place: &Place| {
-            (0..2).any(|d| place[d].is_multiple_of(CELL) && cuts[d][(place[d] >> DEPTH) as usize])
-        };
-        let (mut plain, mut special) = (Vec::with_capacity(net.places.len()), Vec::new());
         // Rounding may put others on a line that is one point.
-        let is_tip = |place: &Place| self.tip(layout.net.uv(*place)).is_some();
-        let tips = !self.collapsed.is_empty();
-        let number = |place: &Place| {
-            let (list, first) = if is_special(place) || (tips && is_tip(place)) {
-                (&mut special, SPECIAL)
-            } else {
-                (&mut plain, 0)
-            };
-            list.push(*place);
-            first + list.len() as u32 - 1
-        };
-        let vertices = net.places.iter().map(number).collect();
-        let few = net.places.len() < LIST;
-        self.plain(&plain, few)?;
+        let is_tip = |place: Place| self.tip(layout.net.uv(place)).is_some();
+        let is_tip = (!self.collapsed.is_empty()).then_some(is_tip);
+        let net = Numbered::new(&layout.net, &cuts, is_tip);
+        let mut work = self.vertices(&net)?;
+        self.patch.triangles.reserve(2 * layout.net.count());
+        for region in &layout.regions {
+            let [i, j] = region.block;
+            work.block = 1 + (i * layout.blocks[1].len() + j) as u32;
+            work.range = [0, 1].map(|d| layout.blocks[d][region.block[d]]);
+            work.normal = region.normal;
+            self.region(region, &mut work)?;
+        }
+        if self.lacking {
+            self.find_normals(net.plain);
+            self.complete_normals();
+        }
+        Ok(())
+    }
+
+    /// Makes the vertices of the patch that are inside of blocks, and gives the others their points.
+    fn vertices<'n>(&mut self, net: &'n Numbered) -> Result<Work<'n>, MeshError> {
+        let few = net.plain + net.marked.len() < LIST;
+        self.plain(net, few)?;
         let mut work = Work {
             net,
-            vertices,
-            special: Vec::with_capacity(special.len()),
+            special: Vec::with_capacity(net.marked.len()),
             range: [Interval::ZERO; 2],
             normal: None,
             block: 0,
         };
-        for places in special.chunks(AT_ONCE) {
-            let sites: Vec<Site> = self.sites(places, few).collect();
-            for (&place, site) in places.iter().zip(sites) {
+        for places in net.marked.chunks(AT_ONCE) {
+            let uv = places.iter().map(|&p| self.layout.net.uv(p)).collect();
+            for (&place, site) in places.iter().zip(self.sites(uv, few)) {
                 work.special.push(Special {
                     point: self.point(site.uv, self.is_on_side(place), site.place)?,
+                    place,
                     site,
                     vertex: 0,
                     block: 0,
@@ -198,55 +195,94 @@ impl Builder<'_> {
     }
 
     /// Makes the vertices of the patch, and points of its own, at places inside of blocks.
-    fn plain(&mut self, places: &[Place], few: bool) -> Result<(), MeshError> {
-        let mut vertices = Vec::with_capacity(places.len());
-        let mut own = Vec::with_capacity(places.len());
-        let first = self.shared.len();
-        let parts: Vec<_> = places.chunks(AT_ONCE).collect();
+    fn plain(&mut self, net: &Numbered, few: bool) -> Result<(), MeshError> {
+        let all = net.plain + net.marked.len();
+        let mut vertices = Vec::with_capacity(all);
+        let mut own = Vec::with_capacity(self.own.len() + all);
+        own.append(&mut self.own);
+        let shares = net.shares(AT_ONCE);
         let threads = if few { 1 } else { self.threads };
+        let normals = (!few).then(|| PlainNormals::new(self.surface));
+        let (mut not_finite, mut lacking) = (None, false);
         // Memory is touched for the first time while others evaluate.
         parallel::in_order(
             threads,
-            parts.len(),
-            |k| self.sites(parts[k], few).collect::<Vec<Site>>(),
+            shares.len(),
+            |k| self.plain_share(net, &shares[k], normals.as_ref()),
             |_| false,
-            |sites| {
-                own.extend(sites.iter().map(|s| s.place));
-                let numbered = sites.into_iter().zip(first + vertices.len()..);
-                vertices.extend(numbered.map(|(site, point)| MeshVertex {
-                    point: point as u32,
-                    uv: site.uv,
-                    normal: site.normal,
-                }));
+            |share| {
+                own.extend_from_slice(&share.own);
+                vertices.extend_from_slice(&share.vertices);
+                not_finite = not_finite.or(share.not_finite);
+                lacking |= share.lacking;
             },
         );
-        if let Some(k) = own.iter().position(|p| !p.is_finite()) {
-            return Err(self.not_finite(vertices[k].uv));
+        if let Some(uv) = not_finite {
+            return Err(self.not_finite(uv));
         }
         self.patch.vertices = vertices;
         self.own = own;
+        self.lacking = lacking;
         Ok(())
     }
 
-    /// Evaluates vertices of the net.
-    fn sites(&self, places: &[Place], few: bool) -> impl Iterator<Item = Site> {
-        let uv: Vec<[f64; 2]> = places.iter().map(|&p| self.layout.net.uv(p)).collect();
+    /// Some of them; with `normals` as a list.
+    fn plain_share(&self, net: &Numbered, share: &Share, normals: Option<&PlainNormals>) -> Plain {
+        let mut uv = Vec::new();
+        net.uv(share, &mut uv);
+        let first = self.shared.len() + share.first;
+        let mut out = Plain {
+            vertices: Vec::with_capacity(uv.len()),
+            own: Vec::with_capacity(uv.len()),
+            not_finite: None,
+            lacking: false,
+        };
+        let jets = self.jets(&uv, normals.is_none());
+        for (k, (&uv, jet)) in uv.iter().zip(&jets).enumerate() {
+            let known = normals.and_then(|n| n.of(jet));
+            let normal = known.unwrap_or_else(|| self.normal_above(uv, jet));
+            if !jet[0].is_finite() {
+                out.not_finite.get_or_insert(uv);
+            }
+            out.lacking |= normal == DVec3::ZERO;
+            out.own.push(jet[0]);
+            out.vertices.push(MeshVertex {
+                point: (first + k) as u32,
+                uv,
+                normal,
+            });
+        }
+        out
+    }
+
+    /// The points and first derivatives of vertices.
+    fn jets(&self, uv: &[[f64; 2]], few: bool) -> Vec<[DVec3; jet_len(1)]> {
         let mut jets = vec![[DVec3::ZERO; jet_len(1)]; uv.len()];
         if few {
             for (uv, jet) in uv.iter().zip(&mut jets) {
                 self.surface.jet_into(*uv, [Limit::Above; 2], 1, jet);
             }
         } else {
-            self.surface.jets(&uv, 1, jets.as_flattened_mut());
+            self.surface.jets(uv, 1, jets.as_flattened_mut());
         }
-        uv.into_iter().zip(jets).map(|(uv, jet)| {
-            let normal = normal_from(self.surface, uv, [Limit::Above; 2], &jet);
-            Site {
-                uv,
-                place: jet[0],
-                normal: normal.vector().unwrap_or(DVec3::ZERO),
-            }
-        })
+        jets
+    }
+
+    /// The normal as the limit from above, zero where the tangents do not tell.
+    fn normal_above(&self, uv: [f64; 2], jet: &[DVec3; jet_len(1)]) -> DVec3 {
+        let normal = normal_from(self.surface, uv, [Limit::Above; 2], jet);
+        normal.vector().unwrap_or(DVec3::ZERO)
+    }
+
+    /// Evaluates vertices of the net.
+    fn sites(&self, uv: Vec<[f64; 2]>, few: bool) -> Vec<Site> {
+        let jets = self.jets(&uv, few);
+        let sites = uv.into_iter().zip(jets).map(|(uv, jet)| Site {
+            uv,
+            place: jet[0],
+            normal: self.normal_above(uv, &jet),
+        });
+        sites.collect()
     }
 
     fn not_finite(&self, uv: [f64; 2]) -> MeshError {
@@ -289,7 +325,7 @@ impl Builder<'_> {
             .inspect(|&point| self.gap = self.gap.max(self.place_of(point).distance(p)));
         let point = known.unwrap_or_else(|| {
             self.own.push(p);
-            (self.shared.len() + self.own.len()) as u32 - 1
+            (self.shared.len() + self.own.len() - self.ahead) as u32 - 1
         });
         if let Some(l) = line {
             self.collapsed[l].point.get_or_insert(point);
@@ -299,14 +335,19 @@ impl Builder<'_> {
 
     fn place_of(&self, point: u32) -> DVec3 {
         let point = point as usize;
-        let own = || self.own[point - self.shared.len()];
+        let own = || self.own_point(point - self.shared.len());
         self.shared.get(point).copied().unwrap_or_else(own)
+    }
+
+    /// A point of its own.
+    fn own_point(&self, k: usize) -> DVec3 {
+        self.own[self.ahead + k]
     }
 
     /// Makes the triangles of a rectangle of cells.
     fn region(&mut self, region: &Region, work: &mut Work) -> Result<(), MeshError> {
         let cells: Vec<[usize; 2]> = region.each().collect();
-        let count = work.vertices.len();
+        let count = self.layout.net.count();
         let threads = if count < LIST { 1 } else { self.threads };
         let each = 2 * count / cells.len().max(1);
         let share = (SHARE / each.max(1)).max(1);
@@ -326,8 +367,8 @@ impl Builder<'_> {
         );
         self.turned_over |= turned_over;
         self.patch.triangles = triangles;
-        for t in special {
-            self.special(t, work)?;
+        for (t, halved) in special {
+            self.special(t, halved, work)?;
         }
         Ok(())
     }
@@ -335,27 +376,24 @@ impl Builder<'_> {
     /// The triangles of some cells.
     fn cells(&self, cells: &[[usize; 2]], work: &Work) -> Cells {
         let mut out = Cells::default();
-        let net = work.net;
         for &cell in cells {
-            net.triangles(cell, |t| {
-                let vertices = t.map(|k| work.vertices[k as usize]);
-                if vertices.iter().any(|&v| v >= SPECIAL) {
-                    return out.special.push(t);
+            work.net.triangles(cell, |t, halved| {
+                if t.iter().any(|&v| v >= MARKED) {
+                    return out.special.push((t, halved));
                 }
-                if let Some(normal) = work.normal
-                    && is_halved(t.map(|k| net.places[k as usize]))
-                {
-                    let at = vertices.map(|v| self.own[v as usize]);
+                // Those that are not halved have the edges along u and v that the bound is for.
+                if let Some(normal) = work.normal.filter(|_| halved) {
+                    let at = t.map(|v| self.own_point(v as usize));
                     out.turned_over |= !is_turned(at, normal, self.rounding);
                 }
-                out.plain.push(vertices);
+                out.plain.push(t);
             });
         }
         out
     }
 
     /// Makes a triangle that may have further vertices on an edge, or two corners at one point, or the wrong orientation.
-    fn special(&mut self, t: [u32; 3], work: &mut Work) -> Result<(), MeshError> {
+    fn special(&mut self, t: [u32; 3], halved: bool, work: &mut Work) -> Result<(), MeshError> {
         let corners = t.map(|k| {
             let (uv, point) = match work.special(k) {
                 Ok(special) => (special.site.uv, special.point),
@@ -366,16 +404,17 @@ impl Builder<'_> {
             };
             self.spot(uv, point, Some(k))
         });
-        let places = t.map(|k| work.net.places[k as usize]);
+        // All vertices on sides are special.
+        let places = t.map(|k| work.special(k).ok().map(|special| special.place));
         // Further vertices are on one side at most, see `Layout::open_corners`.
         let further = (0..3).find_map(|k| {
-            let ends = [places[k], places[(k + 1) % 3]];
+            let ends = [places[k]?, places[(k + 1) % 3]?];
             let (from, to) = (corners[k].uv, corners[(k + 1) % 3].uv);
             let (side, params) = self.further(ends, from, to)?;
             Some((k, side, params))
         });
         let Some((k, side, params)) = further else {
-            self.triangle(corners, is_halved(places), work);
+            self.triangle(corners, halved, work);
             return Ok(());
         };
         let mut chain = vec![corners[k]];
@@ -422,7 +461,7 @@ impl Builder<'_> {
             let at = corners.map(|c| match c.number {
                 Some(k) => match work.special(k) {
                     Ok(special) => special.site.place,
-                    Err(vertex) => self.own[vertex as usize],
+                    Err(vertex) => self.own_point(vertex as usize),
                 },
                 None => self.surface.point(c.uv),
             });
@@ -456,6 +495,7 @@ impl Builder<'_> {
             point,
             vertex,
             block,
+            ..
         } = match work.special(k) {
             Ok(special) => special,
             Err(vertex) => return vertex,
@@ -470,13 +510,13 @@ impl Builder<'_> {
             self.normal(site.uv, middle(), work.range)
         };
         let vertex = self.new_vertex(point, site.uv, normal);
-        let number = work.vertices[k as usize] - SPECIAL;
-        let special = &mut work.special[number as usize];
+        let special = &mut work.special[(k - MARKED) as usize];
         (special.vertex, special.block) = (vertex, work.block);
         vertex
     }
 
     fn new_vertex(&mut self, point: u32, uv: [f64; 2], normal: DVec3) -> u32 {
+        self.lacking |= normal == DVec3::ZERO;
         self.patch.vertices.push(MeshVertex { point, uv, normal });
         self.patch.vertices.len() as u32 - 1
     }
@@ -497,9 +537,6 @@ impl Builder<'_> {
 
     /// Looks for normals near those of the first vertices that have none; for special ones that has been done.
     fn find_normals(&mut self, plain: usize) {
-        if !self.lacks_normals() {
-            return;
-        }
         for k in 0..self.patch.triangles.len() {
             let t = self.patch.triangles[k].map(|v| v as usize);
             for v in t {
@@ -512,14 +549,10 @@ impl Builder<'_> {
         }
     }
 
-    fn lacks_normals(&self) -> bool {
-        let lacks = |v: &MeshVertex| v.normal == DVec3::ZERO;
-        self.patch.vertices.iter().any(lacks)
-    }
-
     /// Gives vertices without a normal the mean of those of their triangles, weighted by area.
     fn complete_normals(&mut self) {
-        if !self.lacks_normals() {
+        let lacks = |v: &MeshVertex| v.normal == DVec3::ZERO;
+        if !self.patch.vertices.iter().any(lacks) {
             return;
         }
         let mut sums = vec![DVec3::ZERO; self.patch.vertices.len()];
@@ -536,14 +569,6 @@ impl Builder<'_> {
             }
         }
     }
-}
-
-/// True for triangles that are not of the net of lines, whose edges run along u and v.
-fn is_halved(corners: [Place; 3]) -> bool {
-    corners
-        .as_flattened()
-        .iter()
-        .any(|x| !x.is_multiple_of(CELL))
 }
 
 /// The middle of a triangle.

@@ -13,10 +13,11 @@ use super::partners::greatest;
 use crate::box3::Box3;
 use crate::breaks::{Breaks, Limit, Part};
 use crate::interval::Interval;
+use crate::parallel;
 use crate::surface::{Dir, Surface, jet_index, jet_len};
 use glam::DVec3;
 use std::ops::Range;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The order of Taylor's formula: of two cubic sides nothing is left.
@@ -25,8 +26,10 @@ pub(super) const ORDER: usize = 6;
 const TILE: usize = 8;
 /// A rectangle over more pieces is enclosed by itself.
 const MOST: usize = 16;
-/// A rectangle larger than this share of a piece is enclosed by itself.
+/// A rectangle larger than this share of a piece is enclosed by itself,
 const LARGE: f64 = 0.25;
+/// unless it is one piece with at most so much around it.
+const WHOLE: f64 = 1.5;
 /// The most pieces that are kept.
 const KEPT: usize = 1 << 15;
 /// The share of derivatives that what is not known of them may be.
@@ -49,6 +52,7 @@ pub(super) struct Pieces<'a> {
     tiles: OnceLock<Vec<Mutex<Option<Tile>>>>,
     /// The number of pieces that are kept, with their quarters.
     kept: AtomicUsize,
+    prepared: AtomicBool,
 }
 
 /// Some pieces that are enclosed together.
@@ -62,6 +66,7 @@ impl<'a> Pieces<'a> {
             tol,
             tiles: OnceLock::new(),
             kept: AtomicUsize::new(0),
+            prepared: AtomicBool::new(false),
         }
     }
 
@@ -76,18 +81,52 @@ impl<'a> Pieces<'a> {
             let breaks = self.surface.breaks(DIRS[d]);
             uv[d].width() / breaks.piece(breaks.find(uv[d].mid(), Limit::Above)).width()
         });
-        if shares[0] * shares[1] > LARGE || range[0].len() * range[1].len() > MOST {
-            return Enclosed::direct(self.surface, uv);
-        }
+        let (share, count) = (shares[0] * shares[1], range[0].len() * range[1].len());
+        let all = || {
+            let in_v = |i: usize| range[1].clone().map(move |j| [i, j]);
+            range[0].clone().flat_map(in_v).map(|at| self.piece(at))
+        };
         let mut hull = None;
-        for (i, j) in range[0]
-            .clone()
-            .flat_map(|i| range[1].clone().map(move |j| (i, j)))
-        {
-            let (tile, place) = self.piece([i, j]);
-            tile[place].join(self, uv, &mut hull);
+        if share <= LARGE && count <= MOST {
+            all().for_each(|(tile, k)| tile[k].join(self, uv, &mut hull));
+        } else if share <= WHOLE && count <= MOST && self.all_known() {
+            let known = all().filter_map(|(tile, k)| tile[k].over(uv, self.tol));
+            let jets: Option<Vec<Jet<Box3>>> = known.collect();
+            let of_all = jets.into_iter().flatten();
+            hull = of_all
+                .reduce(|a, b| std::array::from_fn(|k| a[k].hull(b[k])))
+                .map(|jet| Enclosed {
+                    jet,
+                    local: None,
+                    sharp: true,
+                });
         }
         hull.unwrap_or_else(|| Enclosed::direct(self.surface, uv))
+    }
+
+    /// The number of pieces.
+    pub(super) fn count(&self) -> usize {
+        let [n, m] = DIRS.map(|d| self.surface.breaks(d).pieces());
+        n.saturating_mul(m)
+    }
+
+    /// Encloses all pieces, on some threads. For surfaces that have a piece in about every square.
+    pub(super) fn prepare(&self, threads: usize) {
+        if self.count() > KEPT || self.all_known() {
+            return;
+        }
+        let count = DIRS.map(|d| self.surface.breaks(d).pieces());
+        let tiles = count.map(|n| n.div_ceil(TILE));
+        let tile = |k: usize| {
+            self.piece([k / tiles[1] * TILE, k % tiles[1] * TILE]);
+        };
+        parallel::each(threads, tiles[0] * tiles[1], tile, |()| false);
+        self.prepared.store(true, Ordering::Relaxed);
+    }
+
+    /// True if all pieces are enclosed.
+    fn all_known(&self) -> bool {
+        self.prepared.load(Ordering::Relaxed)
     }
 
     /// Encloses the jet over a rectangle more sharply: what is lost falls with the square of the size.
@@ -289,19 +328,27 @@ impl Piece {
         }
     }
 
+    /// The common part with a rectangle. Where it touches the rectangle with a side alone, the piece beside it tells.
+    fn common(&self, uv: [Interval; 2]) -> Option<[Interval; 2]> {
+        let part = [
+            self.uv[0].intersection(uv[0])?,
+            self.uv[1].intersection(uv[1])?,
+        ];
+        let touches = |d: usize| part[d].is_point() && !uv[d].is_point();
+        (!touches(0) && !touches(1)).then_some(part)
+    }
+
+    /// The jet over the common part with a rectangle, if there is one; if it is known well.
+    fn over(&self, uv: [Interval; 2], tol: f64) -> Option<Option<Jet<Box3>>> {
+        let expanded = self.expand(self.common(uv)?, tol, true);
+        Some(expanded.and_then(|e| e.local.is_some().then_some(e.jet)))
+    }
+
     /// Joins the enclosure over the common part with a rectangle to a hull.
     fn join(&self, pieces: &Pieces, uv: [Interval; 2], hull: &mut Option<Enclosed>) {
-        let [Some(u), Some(v)] = [0, 1].map(|d| self.uv[d].intersection(uv[d])) else {
+        let Some([u, v]) = self.common(uv) else {
             return;
         };
-        // Where it touches the rectangle with a side alone, the piece beside it tells.
-        if [u, v]
-            .iter()
-            .zip(&uv)
-            .any(|(part, uv)| part.is_point() && !uv.is_point())
-        {
-            return;
-        }
         let halves = [0, 1].map(|d| halves(self.uv[d], self.middle[d]));
         let can_be_halved = |d: usize, part: Interval| {
             let wide = halves[d].iter().all(|t| t.lo < t.hi);

@@ -9,11 +9,20 @@ use super::bound::Bend;
 use super::layout::{Demand, grid_bound, parts};
 use crate::breaks::{Break, Breaks};
 use crate::interval::Interval;
+use crate::parallel;
 use crate::surface::{Dir, Surface, jet_len};
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 
 /// Samples along each direction of a cell.
 const SAMPLES: usize = 6;
+/// Samples along each direction of a block with many pieces, and how many these are: the greatest curvature counts.
+const MANY_SAMPLES: usize = 16;
+const MANY_PIECES: usize = 8;
+/// What more cells would need is not kept.
+const KEPT: usize = 1 << 16;
+/// From so many cells on, threads are worth while.
+const SHARED: usize = 64;
 /// A strip is halved if that leaves at most this share of its cells.
 const GAIN: f64 = 0.85;
 /// The most lines that halving may lead to, along each direction.
@@ -45,23 +54,34 @@ pub(super) struct Grid {
     cells: [Vec<f64>; 2],
 }
 
+/// The cells of a grid with so many across its parts.
+fn count(cells: &[Vec<f64>; 2]) -> f64 {
+    let [n, m] = cells.each_ref().map(|c| c.iter().sum::<f64>());
+    n * m
+}
+
 impl Grid {
+    /// `None` if it needs more than so many cells.
     fn new(
         surface: &dyn Surface,
         uv: [Interval; 2],
-        count: [usize; 2],
+        number: [usize; 2],
         demand: &Demand,
+        most: f64,
     ) -> Option<Self> {
-        let parts = [0, 1].map(|d| parts(uv[d], count[d]));
+        let parts = [0, 1].map(|d| parts(uv[d], number[d]));
         let mut cells = [0, 1].map(|d| vec![1.0f64; parts[d].len()]);
-        let mut bends = Vec::with_capacity(count[0] * count[1]);
-        let least = [0, 1].map(|d| (demand.least[d] / count[d] as f64).ceil());
+        let mut bends = Vec::with_capacity(number[0] * number[1]);
+        let least = [0, 1].map(|d| (demand.least[d] / number[d] as f64).ceil());
         for (i, &u) in parts[0].iter().enumerate() {
             for (j, &v) in parts[1].iter().enumerate() {
                 let (bend, n) = grid_bound(surface, [u, v], least, demand)?;
                 bends.push(bend);
                 cells[0][i] = cells[0][i].max(n[0]);
                 cells[1][j] = cells[1][j].max(n[1]);
+                if count(&cells) > most {
+                    return None;
+                }
             }
         }
         Some(Self {
@@ -72,22 +92,24 @@ impl Grid {
     }
 
     fn count(&self) -> f64 {
-        let [n, m] = [0, 1].map(|d| self.cells[d].iter().sum::<f64>());
-        n * m
+        count(&self.cells)
     }
 
     /// The best of those that need hardly more cells than bisection would.
     fn best(surface: &dyn Surface, uv: [Interval; 2], demand: &Demand) -> Option<Self> {
-        let samples = sampled(surface, [&[uv[0]], &[uv[1]]])[0];
-        let enough = expected(&samples, demand.tol).max(demand.least[0] * demand.least[1]);
+        let pieces = [0, 1].map(|d| surface.breaks([Dir::U, Dir::V][d]).parts(uv[d]).len());
+        let many = pieces.into_iter().any(|n| n >= MANY_PIECES);
+        let along = if many { MANY_SAMPLES } else { SAMPLES };
+        let samples = &sampled(surface, [&[uv[0]], &[uv[1]]], along)[0];
+        let enough = expected(samples, demand.tol).max(demand.least[0] * demand.least[1]);
         let mut best: Option<Self> = None;
         for parts in PARTS {
-            if fewest(&samples, parts, demand.tol) > enough {
+            if fewest(samples, parts, demand.tol) > enough {
                 // Not worth its enclosures.
                 continue;
             }
             let most = best.as_ref().map_or(f64::INFINITY, |b| GAIN * b.count());
-            let grid = Self::new(surface, uv, parts, demand);
+            let grid = Self::new(surface, uv, parts, demand, enough);
             best = grid.filter(|g| g.count() <= most).or(best);
             // Without the steps of bisection, nothing can be much better.
             if best
@@ -97,7 +119,7 @@ impl Grid {
                 break;
             }
         }
-        best.filter(|b| b.count() <= enough)
+        best
     }
 }
 
@@ -145,7 +167,23 @@ impl Sample {
 }
 
 /// The samples of a rectangle, v fastest.
-type Samples = [Sample; SAMPLES * SAMPLES];
+struct Samples {
+    /// Along each direction.
+    along: usize,
+    all: Vec<Sample>,
+}
+
+impl Samples {
+    /// Each with its number along a direction.
+    fn numbered(&self, d: usize) -> impl Iterator<Item = (usize, &Sample)> {
+        let n = self.along;
+        let number = move |k| if d == 0 { k / n } else { k % n };
+        self.all
+            .iter()
+            .enumerate()
+            .map(move |(k, s)| (number(k), s))
+    }
+}
 
 fn mean(samples: impl Iterator<Item = f64>) -> f64 {
     let (sum, n) = samples.fold((0.0, 0), |(s, n), x| (s + x, n + 1));
@@ -157,11 +195,12 @@ fn cells(errors: impl Iterator<Item = f64>, tol: f64) -> f64 {
     (mean(errors) / tol).max(1.0)
 }
 
-fn sampled(surface: &dyn Surface, [us, vs]: [&[Interval]; 2]) -> Vec<Samples> {
+/// So many samples along each direction for each pair of ranges, v fastest.
+fn sampled(surface: &dyn Surface, [us, vs]: [&[Interval]; 2], along: usize) -> Vec<Samples> {
     let params = |ranges: &[Interval]| -> Vec<f64> {
-        let inside = |r: &Interval, k: usize| r.lo + r.width() * (k as f64 + 0.5) / SAMPLES as f64;
+        let inside = |r: &Interval, k: usize| r.lo + r.width() * (k as f64 + 0.5) / along as f64;
         let all = ranges.iter();
-        all.flat_map(|r| (0..SAMPLES).map(move |k| inside(r, k)))
+        all.flat_map(|r| (0..along).map(move |k| inside(r, k)))
             .collect()
     };
     let (u, v) = (params(us), params(vs));
@@ -172,11 +211,12 @@ fn sampled(surface: &dyn Surface, [us, vs]: [&[Interval]; 2]) -> Vec<Samples> {
     for (i, a) in us.iter().enumerate() {
         for (j, b) in vs.iter().enumerate() {
             let size = [a.width(), b.width()];
-            out.push(std::array::from_fn(|k| {
-                let row = i * SAMPLES + k / SAMPLES;
-                let column = j * SAMPLES + k % SAMPLES;
-                Sample::new(&jets[row * v.len() + column], size)
-            }));
+            let rows = jets.chunks_exact(v.len()).skip(i * along).take(along);
+            let all = rows.flat_map(|row| &row[j * along..(j + 1) * along]);
+            out.push(Samples {
+                along,
+                all: all.map(|jet| Sample::new(jet, size)).collect(),
+            });
         }
     }
     out
@@ -202,7 +242,7 @@ pub(super) fn roots(surface: &dyn Surface, blocks: &[Vec<Interval>; 2], demand: 
         .collect::<Vec<_>>()
     });
     cut_at_pieces(surface, blocks, &grids, &mut strips, demand.tol);
-    halve(surface, blocks, &grids, &mut strips, demand.tol);
+    halve(surface, blocks, &grids, &mut strips, demand);
     // What crosses from other blocks can only make cells smaller.
     Roots {
         lines: strips.map(|strips| {
@@ -257,7 +297,7 @@ fn cut_at_pieces(
     let mut needed = [0.0; 2];
     for &u in &blocks[0] {
         for &v in &blocks[1] {
-            let samples = &sampled(surface, [&[u], &[v]])[0];
+            let samples = &sampled(surface, [&[u], &[v]], SAMPLES)[0];
             needed[0] += along(samples, tol, |s| s.uu) / blocks[1].len() as f64;
             needed[1] += along(samples, tol, |s| s.vv) / blocks[0].len() as f64;
         }
@@ -296,10 +336,10 @@ fn at_pieces(breaks: &[Break], range: Interval) -> Vec<Interval> {
 fn fewest(samples: &Samples, parts: [usize; 2], tol: f64) -> f64 {
     let across = |d: usize| -> f64 {
         let strip = |part: usize| {
-            let of = samples.iter().enumerate().filter(|(k, _)| {
-                let at = [k / SAMPLES, k % SAMPLES][d];
-                at * parts[d] / SAMPLES == part
-            });
+            let n = samples.along;
+            let of = samples
+                .numbered(d)
+                .filter(|&(at, _)| at * parts[d] / n == part);
             let curved = |s: &Sample| (0.125 * [s.uu, s.vv][d] / tol).sqrt() / parts[d] as f64;
             of.map(|(_, s)| curved(s)).fold(1.0, f64::max)
         };
@@ -310,19 +350,19 @@ fn fewest(samples: &Samples, parts: [usize; 2], tol: f64) -> f64 {
 
 /// The cells along a line for some second derivatives, in the mean.
 fn along(samples: &Samples, tol: f64, second: fn(&Sample) -> f64) -> f64 {
-    mean(samples.iter().map(|s| (0.125 * second(s) / tol).sqrt()))
+    let all = samples.all.iter();
+    mean(all.map(|s| (0.125 * second(s) / tol).sqrt()))
 }
 
 /// About the number of cells that bisection of a block needs.
 fn expected(samples: &Samples, tol: f64) -> f64 {
-    let both = mean(samples.iter().map(|s| 0.25 * ((s.uu * s.vv).sqrt() + s.uv))) / tol;
+    let all = samples.all.iter();
+    let both = mean(all.map(|s| 0.25 * ((s.uu * s.vv).sqrt() + s.uv))) / tol;
     let one = |f| along(samples, tol, f);
     // The chords along the sides.
     let side = |d: usize, upper: bool| {
-        let on = samples.iter().enumerate().filter(move |(k, _)| {
-            let across = [k % SAMPLES, k / SAMPLES][d];
-            across == if upper { SAMPLES - 1 } else { 0 }
-        });
+        let end = if upper { samples.along - 1 } else { 0 };
+        let on = samples.numbered(1 - d).filter(|s| s.0 == end);
         mean(on.map(|(_, s)| (0.125 * s.bent[d] / tol).sqrt()))
     };
     [
@@ -339,25 +379,134 @@ fn expected(samples: &Samples, tol: f64) -> f64 {
         * STEPS
 }
 
+/// What bisection of a cell needs.
+#[derive(Clone, Copy)]
+struct Need {
+    cells: f64,
+    /// Of both halves along u and along v together.
+    halved: [f64; 2],
+}
+
+impl Need {
+    fn new(samples: &Samples, tol: f64) -> Self {
+        let middle = samples.along / 2;
+        let half = |d: usize, upper: bool| {
+            let of = samples.numbered(d).filter(|s| (s.0 >= middle) == upper);
+            cells(of.map(|(_, s)| s.error(d)), tol)
+        };
+        Self {
+            cells: cells(samples.all.iter().map(|s| s.error(2)), tol),
+            halved: [0, 1].map(|d| half(d, false) + half(d, true)),
+        }
+    }
+}
+
+/// What cells need, as far as it is known.
+struct Needs<'a> {
+    surface: &'a dyn Surface,
+    tol: f64,
+    known: FxHashMap<[u64; 4], Need>,
+}
+
+impl<'a> Needs<'a> {
+    fn key([u, v]: [Interval; 2]) -> [u64; 4] {
+        [u.lo, u.hi, v.lo, v.hi].map(f64::to_bits)
+    }
+
+    /// To begin with, that of all pairs of strips.
+    fn new(surface: &'a dyn Surface, [us, vs]: [&[Interval]; 2], demand: &Demand) -> Self {
+        let mut new = Self {
+            surface,
+            tol: demand.tol,
+            known: FxHashMap::default(),
+        };
+        let count = us.len() * vs.len();
+        if (SHARED..KEPT).contains(&count) {
+            let row = |k: usize| new.of_cells([&us[k..=k], vs]);
+            let rows = parallel::each(demand.threads, us.len(), row, |_| false);
+            let pairs = us
+                .iter()
+                .flat_map(|&u| vs.iter().map(move |&v| Self::key([u, v])));
+            new.known = pairs.zip(rows.into_iter().flatten()).collect();
+        }
+        new
+    }
+
+    fn of_cells(&self, ranges: [&[Interval]; 2]) -> Vec<Need> {
+        let all = sampled(self.surface, ranges, SAMPLES);
+        all.iter().map(|s| Need::new(s, self.tol)).collect()
+    }
+
+    /// The halves of a strip across direction `d`, if they need fewer cells.
+    fn halves(&mut self, strip: Interval, across: &[Interval], d: usize) -> Option<[Interval; 2]> {
+        let middle = strip.lo + 0.5 * strip.width();
+        if !(strip.lo < middle && middle < strip.hi) {
+            return None;
+        }
+        let cell = |c: Interval| Self::key(if d == 0 { [strip, c] } else { [c, strip] });
+        let known = across.iter().map(|&c| self.known.get(&cell(c)).copied());
+        let needs: Vec<Need> = match known.collect() {
+            Some(needs) => needs,
+            None => {
+                let strips = [strip];
+                let needs = self.of_cells(if d == 0 {
+                    [&strips, across]
+                } else {
+                    [across, &strips]
+                });
+                if self.known.len() + across.len() <= KEPT {
+                    let cells = across.iter().map(|&c| cell(c));
+                    self.known.extend(cells.zip(needs.iter().copied()));
+                }
+                needs
+            }
+        };
+        let whole: f64 = needs.iter().map(|n| n.cells).sum();
+        let halved: f64 = needs.iter().map(|n| n.halved[d]).sum();
+        (halved <= GAIN * whole).then_some([
+            Interval {
+                hi: middle,
+                ..strip
+            },
+            Interval {
+                lo: middle,
+                ..strip
+            },
+        ])
+    }
+}
+
 /// Halves strips of the blocks that have no grid.
 fn halve(
     surface: &dyn Surface,
     blocks: &[Vec<Interval>; 2],
     grids: &[Option<Grid>],
     strips: &mut [Vec<Vec<Interval>>; 2],
-    tol: f64,
+    demand: &Demand,
 ) {
+    // All blocks across the k-th one along `d` that have no grid.
+    let open = |strips: &[Vec<Vec<Interval>>; 2], d: usize, k: usize| -> Vec<Interval> {
+        let across = (0..blocks[1 - d].len()).filter(|&l| {
+            let [i, j] = if d == 0 { [k, l] } else { [l, k] };
+            grids[i * blocks[1].len() + j].is_none()
+        });
+        across
+            .flat_map(|l| strips[1 - d][l].iter().copied())
+            .collect()
+    };
+    let all_open = grids.iter().all(Option::is_none);
+    let all = [0, 1].map(|d| {
+        if all_open {
+            strips[d].concat()
+        } else {
+            Vec::new()
+        }
+    });
+    let mut needs = Needs::new(surface, [&all[0], &all[1]], demand);
     for d in [0, 1, 0, 1] {
         let mut total = strips[d].iter().map(Vec::len).sum::<usize>();
         for k in 0..blocks[d].len() {
-            // All blocks across this one that have no grid.
-            let open: Vec<Interval> = (0..blocks[1 - d].len())
-                .filter(|&l| {
-                    let [i, j] = if d == 0 { [k, l] } else { [l, k] };
-                    grids[i * blocks[1].len() + j].is_none()
-                })
-                .flat_map(|l| strips[1 - d][l].iter().copied())
-                .collect();
+            let open = open(strips, d, k);
             if open.is_empty() {
                 continue;
             }
@@ -366,7 +515,7 @@ fn halve(
             let mut done = Vec::with_capacity(todo.len());
             while let Some(strip) = todo.pop() {
                 let room = total + done.len() + todo.len() < MOST;
-                match halves(surface, strip, &open, d, tol).filter(|_| room) {
+                match needs.halves(strip, &open, d).filter(|_| room) {
                     Some([a, b]) => todo.extend([b, a]),
                     None => done.push(strip),
                 }
@@ -375,45 +524,4 @@ fn halve(
             strips[d][k] = done;
         }
     }
-}
-
-/// The halves of a strip across direction `d`, if they need fewer cells.
-fn halves(
-    surface: &dyn Surface,
-    strip: Interval,
-    across: &[Interval],
-    d: usize,
-    tol: f64,
-) -> Option<[Interval; 2]> {
-    let middle = strip.lo + 0.5 * strip.width();
-    if !(strip.lo < middle && middle < strip.hi) {
-        return None;
-    }
-    let strips = [strip];
-    let ranges: [&[Interval]; 2] = if d == 0 {
-        [&strips, across]
-    } else {
-        [across, &strips]
-    };
-    let (mut whole, mut halved) = (0.0, 0.0);
-    for samples in sampled(surface, ranges) {
-        whole += cells(samples.iter().map(|s| s.error(2)), tol);
-        for upper in [false, true] {
-            let half = samples.iter().enumerate().filter(|(k, _)| {
-                let at = if d == 0 { k / SAMPLES } else { k % SAMPLES };
-                (at >= SAMPLES / 2) == upper
-            });
-            halved += cells(half.map(|(_, s)| s.error(d)), tol);
-        }
-    }
-    (halved <= GAIN * whole).then_some([
-        Interval {
-            hi: middle,
-            ..strip
-        },
-        Interval {
-            lo: middle,
-            ..strip
-        },
-    ])
 }

@@ -5,8 +5,8 @@ use super::lines::{self, Key, key};
 use super::shared::{Edge, Map, Shared, edge, ends};
 use crate::surface::{Corner, Side, Surface, SurfaceRef};
 use glam::DVec3;
+use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
-use std::collections::HashMap;
 
 /// A vertex of a shared edge.
 struct Knot {
@@ -28,9 +28,9 @@ pub(super) struct Border {
 
 impl Border {
     /// The points of all vertices.
-    pub(super) fn points(&self, surface: &dyn Surface) -> HashMap<Key, u32> {
+    pub(super) fn points(&self, surface: &dyn Surface) -> FxHashMap<Key, u32> {
         let corners = Corner::ALL.map(|c| key(place(surface, c)));
-        let mut points: HashMap<Key, u32> = corners.into_iter().zip(self.corners).collect();
+        let mut points: FxHashMap<Key, u32> = corners.into_iter().zip(self.corners).collect();
         for (side, vertices) in Side::ALL.into_iter().zip(&self.sides) {
             let e = Edge::new(surface, side);
             points.extend(vertices.iter().map(|&(t, id)| (key(e.uv(t)), id)));

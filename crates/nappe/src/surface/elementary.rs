@@ -140,6 +140,17 @@ impl Elementary {
         self
     }
 
+    /// The image of an axis, about which the image of a turn is one again, counter-clockwise too; `None` if circles do not stay
+    /// circles.
+    pub(super) fn turned_axis(map: &DAffine3, axis: &Frame) -> Option<Frame> {
+        let image = Similar::of(map, axis, false)?;
+        if image.keeps {
+            return Some(image.frame);
+        }
+        let [x, _, z] = image.frame.directions();
+        Frame::new(image.frame.origin(), -z, x).ok()
+    }
+
     /// What a meridian `(ρ, z)` sweeps about the z axis of a frame, from points of it: as many that a rational curve of
     /// its degree through them lies on a line or circle if they do. `normal` is a point of the
     /// meridian and the surface's normal there.

@@ -88,6 +88,7 @@ mod sectors;
 mod separable;
 mod sides;
 mod spans;
+mod swept;
 mod torus;
 mod transformed;
 mod turned;
@@ -106,14 +107,15 @@ pub use diagonal_key::{DiagonalKey, DiagonalKeyError, DiagonalKeyOptions, Free, 
 pub use elementary::Elementary;
 pub use fillet::{Fillet, FilletError, FilletOptions, Radius, arc_sections};
 pub use hermite::{HermiteData, HermiteError, hermite};
-pub(crate) use normal::normal_from;
 pub use normal::{Normal, normal_at};
+pub(crate) use normal::{PlainNormals, normal_from};
 pub use quadric::{Quadric, QuadricError, QuadricOptions, QuadricShape};
 pub use rational::{RationalError, rational};
 pub use revolution::{Construction, Revolution, RevolutionError, RevolutionOptions};
 pub use ruled::{RuledError, ruled};
 pub use separable::{Core, Separable, Term};
 pub use sides::{Corner, Side};
+pub use swept::Swept;
 pub use torus::{Torus, TorusError, TorusOptions};
 pub use transformed::{Swapped, TransformError, Transformed};
 
@@ -180,6 +182,12 @@ pub trait Surface: Debug + Send + Sync {
     /// The plane, cylinder, cone, sphere or torus that this surface is a part of, where that is known exactly (within rounding).
     fn elementary(&self) -> Option<Elementary> {
         elementary::plane_of(&self.to_nurbs()?)
+    }
+
+    /// The NURBS curve that sweeps this surface, turned or moved, where the surface is made so and that is known exactly
+    /// (within rounding). `None` for surfaces that are given as splines.
+    fn swept(&self) -> Option<Swept> {
+        None
     }
 
     /// The parameter ranges of u and v.

@@ -84,6 +84,49 @@ pub(crate) fn normal_from<S: Surface + ?Sized>(
     Tangents::new(surface, uv, limit, width).normal()
 }
 
+/// Squares outside lose digits or overflow.
+const RANGE: [f64; 2] = [1e-250, 1e250];
+
+/// The normals of many points from first derivatives that are known, where the tangents surely span a plane by
+/// [`normal_at`]'s rule, whatever the piece.
+pub(crate) struct PlainNormals {
+    /// The squares of the widths of the widest pieces along u and v, and of the narrowest.
+    widest: [f64; 2],
+    narrowest: [f64; 2],
+}
+
+impl PlainNormals {
+    pub(crate) fn new(surface: &dyn Surface) -> Self {
+        let breaks = [Dir::U, Dir::V].map(|d| surface.breaks(d));
+        let widths = breaks.map(|b| {
+            let widths = (0..b.pieces()).map(|k| b.piece(k).width());
+            widths.fold([f64::INFINITY, 0.0], |[a, b], w| [w.min(a), w.max(b)])
+        });
+        Self {
+            narrowest: widths.map(|[least, _]| least * least),
+            widest: widths.map(|[_, most]| most * most),
+        }
+    }
+
+    /// The unit normal; `None` where the piece, or more than first derivatives, has to be known.
+    #[inline]
+    pub(crate) fn of(&self, jet: &[DVec3; 3]) -> Option<DVec3> {
+        let cross = jet[1].cross(jet[2]);
+        let [square, a, b] = [cross, jet[1], jet[2]].map(DVec3::length_squared);
+        let ([u, v], [narrow_u, narrow_v]) = (self.widest, self.narrowest);
+        // Twice the limits: rounding decides nothing.
+        let longer = (a * u).max(b * v);
+        let shorter = (a * narrow_u).min(b * narrow_v);
+        let rounding = 4.0 * WELL_ABOVE_ROUNDING * WELL_ABOVE_ROUNDING;
+        let plain = square * (narrow_u * narrow_v) > 4.0 * PLAIN * PLAIN * (longer * longer)
+            && shorter > rounding * jet[0].length_squared()
+            && RANGE[0] < square
+            && square < RANGE[1]
+            && longer < RANGE[1].sqrt();
+        plain.then(|| cross / square.sqrt())
+    }
+}
+
 /// True if the tangents surely span a plane by [`normal_at`]'s rule in all lanes: from the squared length of their cross
 /// product, both (over the width of the piece) and the point. The roundings of what it computes may differ between
 /// machines; the rule has room for them.

@@ -1,9 +1,9 @@
 //! The quadrics: exact rational surfaces of degree at most 2 × 2.
 
 use super::turned::{carried_round, homogeneous};
-use super::{Elementary, Surface};
-use crate::basis::BSplineBasis;
-use crate::exact::{ConicArcs, NurbsSurface};
+use super::{Elementary, Surface, Swept, swept};
+use crate::basis::{BSplineBasis, Functions};
+use crate::exact::{ConicArcs, NurbsCurve, NurbsSurface};
 use crate::frame::Frame;
 use glam::{DVec3, DVec4, Vec4Swizzles};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -510,5 +510,22 @@ impl Surface for Quadric {
             }
             _ => None,
         }
+    }
+
+    /// Turned where the shape goes round the axis with equal semi-axes, moved if it is a cylinder.
+    fn swept(&self) -> Option<Swept> {
+        let [a, b, _] = self.semi_axes;
+        if !self.shape.is_round() || self.shape == QuadricShape::Cylinder {
+            return swept::moved(&self.nurbs);
+        }
+        let [from, to] = self.range[0];
+        let profile = self.nurbs.basis_v();
+        let first = self.nurbs.homogeneous()[..profile.count()].to_vec();
+        (a == b).then(|| Swept::Turned {
+            curve: NurbsCurve::from_homogeneous(profile.clone(), first),
+            axis: self.frame,
+            angle: (to - from).min(TAU),
+            same: false,
+        })
     }
 }

@@ -3,8 +3,8 @@
 use super::axis_contact::{self, Contact};
 use super::sectors::Sectors;
 use super::turned::{net, turned};
-use super::{CoonsError, Dir, Elementary, Separable, Surface, SurfaceRef, elementary};
-use crate::basis::{Framed, Turn};
+use super::{CoonsError, Dir, Elementary, Separable, Surface, SurfaceRef, Swept, elementary};
+use crate::basis::{Framed, Functions, Turn};
 use crate::breaks::{Break, merge_breaks};
 use crate::curve::{Curve, CurveRef};
 use crate::exact::{ConicArcs, NurbsCurve, NurbsSurface};
@@ -491,5 +491,35 @@ impl Surface for Revolution {
             &meridian,
             [in_meridian(at), in_meridian(normal)],
         )
+    }
+
+    /// Turned, if the profile has a rational form.
+    fn swept(&self) -> Option<Swept> {
+        let o = &self.options;
+        if matches!(o.construction, Construction::Conic { .. }) {
+            return None;
+        }
+        let profile = self.profile.to_rational()?;
+        let (mut points, last) = (profile.homogeneous().to_vec(), profile.basis().count() - 1);
+        for (i, p) in points.iter_mut().enumerate() {
+            let pole = profile.basis().is_clamped()
+                && [(0, self.poles[0]), (last, self.poles[1])].contains(&(i, true));
+            // Points that stay keep all their digits.
+            if pole || o.start != 0.0 {
+                let (c, s) = crate::frame::cos_sin(o.start);
+                let own = self.axis.components(p.xyz() - self.axis.origin() * p.w);
+                let turned = DVec3::new(own.x * c - own.y * s, own.x * s + own.y * c, own.z);
+                let kept = if pole { own * DVec3::Z } else { turned };
+                let [x, y, z] = self.axis.directions();
+                let moved = x * kept.x + y * kept.y + z * kept.z + self.axis.origin() * p.w;
+                *p = moved.extend(p.w);
+            }
+        }
+        Some(Swept::Turned {
+            curve: NurbsCurve::from_homogeneous(profile.basis().clone(), points),
+            axis: self.axis,
+            angle: o.angle,
+            same: true,
+        })
     }
 }

@@ -5,7 +5,7 @@
 
 use super::list::Prepared;
 use super::quotient::quotient;
-use super::{Dir, Surface, check_length, grid, jet_index, jet_len, list, pairs};
+use super::{Dir, Surface, Swept, check_length, grid, jet_index, jet_len, list, pairs, swept};
 use crate::basis::{FunctionsRef, TABLE_ORDER, jet_of, room};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit, Part};
@@ -531,5 +531,10 @@ impl Surface for Separable {
 
     fn to_nurbs(&self) -> Option<NurbsSurface> {
         NurbsSurface::from_separable(self)
+    }
+
+    /// Moved, as a ruled surface between two places of one curve is.
+    fn swept(&self) -> Option<Swept> {
+        swept::moved(&self.to_nurbs()?)
     }
 }

@@ -1,7 +1,7 @@
 //! Surfaces under affine maps, and with u and v exchanged.
 
 use super::elementary::{Elementary, normal_image};
-use super::{Dir, Surface, SurfaceRef, check_length, jet_index, jet_len};
+use super::{Dir, Surface, SurfaceRef, Swept, check_length, jet_index, jet_len};
 use crate::box3::Box3;
 use crate::breaks::{Break, Limit, Part};
 use crate::exact::NurbsSurface;
@@ -164,6 +164,10 @@ impl Surface for Transformed {
     fn elementary(&self) -> Option<Elementary> {
         self.surface.elementary()?.transformed(&self.map)
     }
+
+    fn swept(&self) -> Option<Swept> {
+        self.surface.swept()?.transformed(&self.map)
+    }
 }
 
 /// A surface with u and v exchanged: `r(v, u)`. The points are the same, the orientation is turned.
@@ -268,5 +272,9 @@ impl Surface for Swapped {
 
     fn elementary(&self) -> Option<Elementary> {
         Some(self.surface.elementary()?.flipped())
+    }
+
+    fn swept(&self) -> Option<Swept> {
+        Some(self.surface.swept()?.flipped())
     }
 }

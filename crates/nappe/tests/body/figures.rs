@@ -5,7 +5,7 @@ use crate::shapes::*;
 use nappe::body::{Body, BodyError, BodyMeshError, FaceError, RegionError, figures, mesh, sew};
 use nappe::curve::{CurveRef, ExpressionCurve, Line};
 use nappe::expr::Expr;
-use nappe::surface::{Elementary, ruled};
+use nappe::surface::{Elementary, bilinear, ruled};
 use nappe::{DAffine3, DMat3, DVec3, Dir, Frame, MeshOptions};
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -99,6 +99,37 @@ fn sewn_bodies_have_their_volume() {
     near(found.volumes[0].unwrap(), 6.0, 0.0);
     let lid = sew(&cuboid(v(1.0, 2.0, 3.0))[1..], 1e-6).body;
     assert!(figures(&lid).unwrap().volumes[0].is_none());
+}
+
+/// Tetrahedra of triangles that are patches with a side of one point: any of the four sides.
+#[test]
+fn any_side_of_a_face_may_be_one_point() {
+    for (scale, o) in SCALES {
+        let rounding = 1e-13 * o.length() * scale;
+        let [a, b, c, d] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|p| o + p * scale);
+        for turn in 0..4 {
+            let patch = |[p, q, r]: [DVec3; 3]| {
+                let mut round = [p, q, r, r];
+                round.rotate_left(turn);
+                let [sw, se, ne, nw] = round;
+                let quad: nappe::SurfaceRef = Arc::new(bilinear([[sw, nw], [se, ne]]).unwrap());
+                quad
+            };
+            let faces = [[a, c, b], [a, b, d], [a, d, c], [b, c, d]].map(patch);
+            let body = sew(&faces, 1e-6 * scale).body;
+            let s2 = scale * scale;
+            let sloping = 0.75f64.sqrt();
+            areas(
+                &body,
+                &[0.5, 0.5, 0.5, sloping].map(|e| e * s2),
+                rounding * scale,
+            );
+            let volume = figures(&body).unwrap().volumes[0].unwrap();
+            near(volume, s2 * scale / 6.0, rounding * s2);
+            let triangles = mesh(&body, &MeshOptions::default()).unwrap();
+            assert!(triangles.failed.is_empty(), "{turn}");
+        }
+    }
 }
 
 /// Adds a closed polygon; the numbers of its edges, from 1 on.

@@ -64,13 +64,15 @@ pub(super) fn make(
             _ => None,
         })
         .collect();
-    let run = |i: usize| jobs[i].run(&file.view(SHARE), colours);
+    // A single body has all threads for itself.
+    let own = (threads / jobs.len().max(1)).max(1);
+    let run = |i: usize| jobs[i].run(&file.view(SHARE), own, colours);
     let mut made = parallel::each(threads, jobs.len(), run, |m| m.spent);
     let spent = made.iter().any(|m| m.spent);
     if spent {
         made.clear();
         for job in &jobs {
-            let done = job.run(&file.view(1), colours);
+            let done = job.run(&file.view(1), threads, colours);
             file.add_reads(done.reads);
             made.push(done);
         }
@@ -94,14 +96,14 @@ pub(super) fn make(
 
 impl Job<'_> {
     /// Makes the body, whose reads count for `file`.
-    fn run(&self, file: &File<'_>, colours: &HashMap<u64, Colour>) -> Made {
+    fn run(&self, file: &File<'_>, threads: usize, colours: &HashMap<u64, Colour>) -> Made {
         let before = file.reads();
         let space = Space {
             file,
             ..self.space.clone()
         };
         let mut left = Left::default();
-        let mut builder = Builder::new(&space);
+        let mut builder = Builder::new(&space, threads);
         let item = match self.build(&mut builder, &mut left) {
             Ok(()) => Some(self.item(file, builder, colours)),
             Err(refused) => {
@@ -204,6 +206,7 @@ fn name(file: &File<'_>, id: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::read_on;
+    use crate::report::Progress;
     use std::fmt::Write;
 
     /// A file of a few megabytes of polygons, some of them without a point, in whose texts entities seem to begin.
@@ -245,11 +248,11 @@ mod tests {
     fn the_number_of_threads_changes_nothing() {
         let text = file();
         assert!(text.len() > 3_000_000);
-        let one = read_on(text.as_bytes(), 1).unwrap();
+        let one = read_on(text.as_bytes(), 1, Progress::default()).unwrap();
         assert_eq!(one.document.items.len(), 12_000 - 240);
         assert!(!one.document.left_out.is_empty());
         for threads in [2, 3, 8] {
-            let more = read_on(text.as_bytes(), threads).unwrap();
+            let more = read_on(text.as_bytes(), threads, Progress::default()).unwrap();
             assert_eq!(more.entities, one.entities);
             assert_eq!(more.kinds, one.kinds);
             assert_eq!(more.document.left_out, one.document.left_out);
@@ -261,10 +264,69 @@ mod tests {
         // What is wrong far inside is told with the same place.
         let wrong = text.replacen("#1199000=", "#1199000 ", 1);
         assert_ne!(wrong, text);
-        let errors = [1, 2, 5].map(|n| read_on(wrong.as_bytes(), n).unwrap_err().to_string());
+        let errors = [1, 2, 5].map(|n| {
+            read_on(wrong.as_bytes(), n, Progress::default())
+                .unwrap_err()
+                .to_string()
+        });
         assert!(
             errors[0].contains("`=`") && errors.iter().all(|e| *e == errors[0]),
             "{errors:?}"
         );
+    }
+
+    /// One shell of splines, some of them without a point or with the surface of the face before.
+    fn shell() -> String {
+        let (mut data, mut faces) = (String::new(), Vec::new());
+        for k in 0..300 {
+            let at = 100 * k + 1000;
+            for (i, (x, y)) in [(0, 0), (0, 1), (1, 0), (1, 1)].iter().enumerate() {
+                if k % 50 != 3 || i != 2 {
+                    let (id, x) = (at + i, x + 2 * k);
+                    writeln!(data, "#{id}=CARTESIAN_POINT('',({x}.,{y}.,0.5));").unwrap();
+                }
+            }
+            let surface = if k % 7 == 1 { at - 100 + 4 } else { at + 4 };
+            writeln!(
+                data,
+                "#{}=B_SPLINE_SURFACE_WITH_KNOTS('',1,1,((#{at},#{}),(#{},#{})),.UNSPECIFIED.,.F.,.F.,.F.,(2,2),(2,2),(0.,1.),(0.,1.),\
+                 .UNSPECIFIED.);\n#{}=VERTEX_POINT('',#{at});\n#{}=VERTEX_LOOP('',#{});\n#{}=FACE_BOUND('',#{},.T.);\n\
+                 #{}=ADVANCED_FACE('f{k}',(#{}),#{surface},.T.);",
+                at + 4, at + 1, at + 2, at + 3, at + 5, at + 6, at + 5, at + 7, at + 6, at + 8, at + 7
+            )
+            .unwrap();
+            faces.push(format!("#{}", at + 8));
+        }
+        format!(
+            "ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n#1=SHAPE_REPRESENTATION('',(#2),#9);\n#2=OPEN_SHELL('s',({}));\n\
+             #9=CONTEXT();\n{data}ENDSEC;\nEND-ISO-10303-21;\n",
+            faces.join(",")
+        )
+    }
+
+    #[test]
+    fn nor_does_it_within_a_shell() {
+        let text = shell();
+        let on = |threads| read_on(text.as_bytes(), threads, Progress::default()).unwrap();
+        let one = on(1);
+        let left: usize = one.document.left_out.iter().map(|l| l.count).sum();
+        let of = |k: usize| if k % 7 == 1 { k - 1 } else { k };
+        let lost = (0..300).filter(|k| of(*k) % 50 == 3).count();
+        assert_eq!(left, lost, "{:?}", one.document.left_out);
+        let crate::ItemForm::Body { body, .. } = &one.document.items[0].form else {
+            panic!()
+        };
+        assert_eq!(body.faces.len(), 300 - left);
+        // A surface that two faces have is read once.
+        let [a, b] = [0, 1].map(|i| &body.faces[i].surface);
+        assert!(std::sync::Arc::ptr_eq(a, b));
+        for threads in [2, 3, 8] {
+            let more = on(threads);
+            assert_eq!(more.document.left_out, one.document.left_out);
+            assert_eq!(
+                format!("{:?}", more.document.items),
+                format!("{:?}", one.document.items)
+            );
+        }
     }
 }

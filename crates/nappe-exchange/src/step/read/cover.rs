@@ -2,12 +2,13 @@
 
 use super::curves::{self, Course};
 use super::surfaces::Expanse;
+use super::sweep;
 use glam::DVec3;
 use nappe::body::cover;
-use nappe::curve::{CurveError, Ellipse, EllipseOptions, Transformed};
+use nappe::curve::{CurveError, Ellipse, EllipseOptions};
 use nappe::query::{Finder, FinderOptions};
 use nappe::surface::{Elementary, RevolutionError, RevolutionOptions, Torus, TorusOptions, ruled};
-use nappe::{Box3, CurveRef, DAffine3, Dir, Frame, Interval, Revolution, SurfaceRef};
+use nappe::{Box3, CurveRef, Dir, Frame, Interval, Revolution, SurfaceRef};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -30,6 +31,8 @@ pub(super) struct Border<'a> {
     pub(super) edges: &'a [CurveRef],
     /// Vertices without edges.
     pub(super) points: &'a [DVec3],
+    /// The distance within which the file's parts agree.
+    pub(super) tolerance: f64,
 }
 
 impl Border<'_> {
@@ -60,8 +63,13 @@ impl Border<'_> {
         Ok(ranges)
     }
 
+    /// The ends of the edges.
+    pub(super) fn vertices(&self) -> impl Iterator<Item = DVec3> + '_ {
+        self.edges.iter().flat_map(|e| e.ends())
+    }
+
     /// Points of the border.
-    fn samples(&self) -> impl Iterator<Item = DVec3> + '_ {
+    pub(super) fn samples(&self) -> impl Iterator<Item = DVec3> + '_ {
         let along = self.edges.iter().flat_map(|e| {
             let d = e.domain();
             (0..=PARTS).map(move |i| e.point(d.lo + (d.hi - d.lo) * (i as f64 / PARTS as f64)))
@@ -249,23 +257,20 @@ fn extrusion(border: &Border<'_>, course: &Course, vector: DVec3) -> Result<Cove
         _ => p,
     };
     let curve = profile(course, border, in_plane)?;
+    if let Some(surface) = sweep::moved(border, &curve, vector) {
+        return Ok((surface, false));
+    }
     let frame = Frame::along(curve.ends()[0], way).map_err(|e| e.to_string())?;
     let edges = border.ranges(&frame)?[2];
     let own = Border {
         edges: std::slice::from_ref(&curve),
         points: &[],
+        tolerance: border.tolerance,
     }
     .ranges(&frame)?[2];
     let [lo, hi] = [edges.lo - own.hi, edges.hi - own.lo];
     let margin = MARGIN * (hi - lo);
-    let moved = |by: f64| -> Result<CurveRef, String> {
-        let map = DAffine3::from_translation(way * by);
-        let image = match curve.to_nurbs() {
-            Some(n) => Arc::new(n.transformed(&map)) as CurveRef,
-            None => Arc::new(Transformed::new(curve.clone(), map).map_err(|e| e.to_string())?),
-        };
-        Ok(image)
-    };
+    let moved = |by: f64| sweep::at(&curve, way * by);
     let surface = ruled(moved(lo - margin)?, moved(hi + margin)?, Dir::U);
     Ok((Arc::new(surface.map_err(|e| e.to_string())?), false))
 }
@@ -340,6 +345,9 @@ fn revolution(border: &Border<'_>, course: &Course, axis: &Frame) -> Result<Cove
     };
     let curve = profile(course, border, height)?;
     // There u runs along the curve, here round the axis.
+    if let Some(surface) = sweep::turned(border, &curve, axis) {
+        return Ok((surface, true));
+    }
     Ok((turned(border, curve, axis, 0)?, true))
 }
 

@@ -1,5 +1,6 @@
 //! Faces, loops and edges, as a body.
 
+use super::ahead::{Ready, ahead};
 use super::cover::Border;
 use super::curves;
 use super::file::{Got, Record, Refused};
@@ -36,12 +37,16 @@ pub(super) struct Builder<'s, 'a> {
     /// Edges between two points of loops that are made of points.
     straight: HashMap<[u64; 2], usize>,
     points: HashMap<u64, usize>,
+    /// Surfaces that are read already.
+    ready: Ready,
+    threads: usize,
     /// Edges of the file that could not be read, so that the reason is found once.
     refused: HashMap<u64, Refused>,
 }
 
 impl<'s, 'a> Builder<'s, 'a> {
-    pub(super) fn new(space: &'s Space<'a>) -> Self {
+    /// An empty body; what can be read ahead is read on so many threads.
+    pub(super) fn new(space: &'s Space<'a>, threads: usize) -> Self {
         Builder {
             space,
             body: Body::default(),
@@ -50,6 +55,8 @@ impl<'s, 'a> Builder<'s, 'a> {
             edges: HashMap::new(),
             straight: HashMap::new(),
             points: HashMap::new(),
+            ready: Ready::new(),
+            threads,
             refused: HashMap::new(),
         }
     }
@@ -77,7 +84,9 @@ impl<'s, 'a> Builder<'s, 'a> {
             faces: Vec::new(),
             closed: solid || record.kind() == "CLOSED_SHELL",
         };
-        for face in record.args().references(1)? {
+        let faces = record.args().references(1)?;
+        ahead(self.space, &faces, self.threads, &mut self.ready);
+        for face in faces {
             match self.face(face) {
                 Ok((index, forward)) => shell.faces.push((index, forward == same)),
                 Err(refused) => {
@@ -156,11 +165,16 @@ impl<'s, 'a> Builder<'s, 'a> {
             }
         }
         let same = args.flag(3)?;
-        let expanse = surfaces::expanse(self.space, args.reference(2)?, 0).map_err(within)?;
+        let surface = args.reference(2)?;
+        let expanse = match self.ready.get(&surface) {
+            Some(ready) => ready.clone(),
+            None => surfaces::expanse(self.space, surface, 0).map_err(within)?,
+        };
         let (edges, points) = self.border(&loops);
         let border = Border {
             edges: &edges,
             points: &points,
+            tolerance: self.space.uncertainty,
         };
         let (surface, flipped) = expanse
             .cover(&border)

@@ -4,6 +4,7 @@ use super::super::StepError;
 use super::scan::{Entry, Kind, Lines, Scan, line, scan};
 use super::text;
 use super::value::{Cursor, Value};
+use crate::report::Progress;
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, OnceLock};
@@ -40,6 +41,9 @@ const FEW_READS: u64 = 4_000_000;
 /// So many bytes of one entity count as another read.
 const LONG: usize = 64;
 
+/// So many reads are told at once.
+const TOLD: u64 = 1 << 8;
+
 /// What is known of a file.
 #[derive(Debug)]
 struct Index {
@@ -47,6 +51,8 @@ struct Index {
     places: Places,
     extent: OnceLock<f64>,
     lines: OnceLock<Lines>,
+    /// Reads of all views, in units of [`TOLD`].
+    told: AtomicU64,
 }
 
 /// A file in memory, and how much of it was read.
@@ -57,11 +63,16 @@ pub(super) struct File<'b> {
     /// Only one thread counts: others have views of their own.
     reads: AtomicU64,
     most: u64,
+    progress: Progress<'b>,
 }
 
 impl<'b> File<'b> {
     /// Finds the entities of a file on some threads. Errors: as [`scan`].
-    pub(super) fn new(bytes: &'b [u8], threads: usize) -> Result<Self, StepError> {
+    pub(super) fn new(
+        bytes: &'b [u8],
+        threads: usize,
+        progress: Progress<'b>,
+    ) -> Result<Self, StepError> {
         let mut scan = scan(bytes, threads)?;
         let places = places(bytes, &scan.entries)?;
         scan.entries.shrink_to_fit();
@@ -72,9 +83,11 @@ impl<'b> File<'b> {
                 places,
                 extent: OnceLock::new(),
                 lines: OnceLock::new(),
+                told: AtomicU64::new(0),
             }),
             reads: AtomicU64::new(0),
             most: FEW_READS + READS * bytes.len() as u64,
+            progress,
         })
     }
 
@@ -88,6 +101,7 @@ impl<'b> File<'b> {
             index: self.index.clone(),
             reads: AtomicU64::new(reads),
             most: reads + left / share,
+            progress: self.progress,
         }
     }
 
@@ -105,6 +119,18 @@ impl<'b> File<'b> {
     pub(super) fn add_reads(&self, reads: u64) {
         self.reads
             .store(self.reads().saturating_add(reads), Relaxed);
+    }
+
+    /// Counts reads of its own, and tells how far they are: nearly all entities are read once.
+    fn count_reads(&self, reads: u64) {
+        let before = self.reads();
+        self.add_reads(reads);
+        let steps = self.reads() / TOLD - before / TOLD;
+        if steps > 0 {
+            let told = steps + self.index.told.fetch_add(steps, Relaxed);
+            let share = (told * TOLD) as f64 / self.count() as f64;
+            self.progress.tell(share.min(1.0));
+        }
     }
 
     /// How many entities there are.
@@ -161,7 +187,7 @@ impl<'b> File<'b> {
 
     /// Counts what is made of the file's text, in bytes, as reads.
     pub(super) fn charge(&self, bytes: usize) {
-        self.add_reads((bytes / LONG) as u64);
+        self.count_reads((bytes / LONG) as u64);
     }
 
     /// Refuses an entity of a file that asks for far more than it holds: a few lines can place parts in parts any number of
@@ -192,7 +218,7 @@ impl<'b> File<'b> {
     }
 
     fn begin(&self, id: u64) -> Got<Entry> {
-        self.add_reads(1);
+        self.count_reads(1);
         self.bounded(id)?;
         self.entry(id)
             .ok_or_else(|| self.refused(id, "the file refers to it, but does not have it"))

@@ -1,5 +1,6 @@
 //! STEP files in.
 
+mod ahead;
 mod bodies;
 mod cover;
 mod curves;
@@ -12,6 +13,7 @@ mod scan;
 mod splines;
 mod styles;
 mod surfaces;
+mod sweep;
 mod text;
 mod units;
 mod value;
@@ -20,6 +22,7 @@ pub(crate) use curves::Course;
 
 use super::StepError;
 use crate::document::Lost;
+use crate::report::Progress;
 use crate::{Colour, Document, Item, ItemForm};
 use bodies::{Job, Next, Source, WAITING};
 use file::{File, Got, Refused};
@@ -65,12 +68,17 @@ const MOST: usize = 10_000_000;
 /// # Errors
 /// [`StepError`]: no STEP file, one that is cut off, or two entities of one number.
 pub fn read(bytes: &[u8]) -> Result<StepFile, StepError> {
-    read_on(bytes, parallel::all_threads())
+    read_telling(bytes, Progress::default())
+}
+
+/// The same, telling how far it is.
+pub(crate) fn read_telling(bytes: &[u8], progress: Progress<'_>) -> Result<StepFile, StepError> {
+    read_on(bytes, parallel::all_threads(), progress)
 }
 
 /// The same on so many threads, on which the result does not depend.
-fn read_on(bytes: &[u8], threads: usize) -> Result<StepFile, StepError> {
-    let file = File::new(bytes, threads)?;
+fn read_on(bytes: &[u8], threads: usize, progress: Progress<'_>) -> Result<StepFile, StepError> {
+    let file = File::new(bytes, threads, progress)?;
     let mut left = Left::default();
     let mut tree = Tree::new(&file, Units::default(), &mut left);
     let units = units(&file, &mut tree);

@@ -1,10 +1,12 @@
 //! Bodies as entities.
 
 use super::WriteError;
+use super::forms::Forms;
 use super::geometry;
 use super::out::Out;
 use crate::FaceStyle;
 use crate::hollow::{is_hollow, is_turned};
+use crate::report::Shares;
 use glam::DVec3;
 use nappe::body::{Body, Coedge, Face, Loop, Shell};
 use nappe::mesh::Certainty;
@@ -32,7 +34,7 @@ const MEETING: f64 = 1e-6;
 struct Writer<'o, 'w, 'b> {
     out: &'o mut Out<'w>,
     body: &'b Body,
-    tol: f64,
+    forms: Forms,
     vertices: Vec<Option<u64>>,
     edges: Vec<Option<u64>>,
     parts: Parts,
@@ -44,12 +46,13 @@ pub(super) fn body(
     body: &Body,
     name: &str,
     styles: &[FaceStyle],
-    tol: f64,
+    forms: Forms,
+    steps: &Shares<'_>,
 ) -> Result<Parts, WriteError> {
     let mut writer = Writer {
         out,
         body,
-        tol,
+        forms,
         vertices: vec![None; body.vertices.len()],
         edges: vec![None; body.edges.len()],
         parts: Parts {
@@ -62,7 +65,8 @@ pub(super) fn body(
     };
     for (i, face) in body.faces.iter().enumerate() {
         let name = styles.get(i).map_or("", |s| &s.name);
-        writer.parts.faces[i] = writer.face(face, name)?;
+        writer.parts.faces[i] = writer.face(i, face, name)?;
+        steps.step();
     }
     let hollow = is_hollow(body);
     let ids: Result<Vec<u64>, WriteError> = body.shells.iter().map(|s| writer.shell(s)).collect();
@@ -194,12 +198,13 @@ impl Writer<'_, '_, '_> {
         Ok(out.reference(of).word(".T.").close()?)
     }
 
-    fn face(&mut self, face: &Face, name: &str) -> Result<u64, WriteError> {
-        let surface = geometry::surface(self.out, face.surface.as_ref(), self.tol)?;
-        if surface.certainty != Certainty::Exact {
+    fn face(&mut self, i: usize, face: &Face, name: &str) -> Result<u64, WriteError> {
+        let form = self.forms.surface(i);
+        if form.certainty != Certainty::Exact {
             self.parts.approximated += 1;
         }
-        self.parts.certainty = self.parts.certainty.and(surface.certainty);
+        self.parts.certainty = self.parts.certainty.and(form.certainty);
+        let surface = geometry::surface(self.out, form.shape)?;
         let mut bounds = Vec::new();
         if face.loops.is_empty() {
             let vertex = self.anywhere(face)?;
@@ -274,8 +279,9 @@ impl Writer<'_, '_, '_> {
             self.vertex(edge.vertices[0])?,
             self.vertex(edge.vertices[1])?,
         ];
-        let curve = geometry::curve(self.out, edge.curve.as_ref(), "", self.tol)?;
-        self.parts.certainty = self.parts.certainty.and(curve.certainty);
+        let form = self.forms.curve(i);
+        self.parts.certainty = self.parts.certainty.and(form.certainty);
+        let curve = geometry::curve(self.out, form.shape, "")?;
         self.parts.tolerance = self.parts.tolerance.max(edge.tolerance);
         let out = &mut self.out;
         let id = out
@@ -283,7 +289,7 @@ impl Writer<'_, '_, '_> {
             .text("")
             .reference(ends[0])
             .reference(ends[1])
-            .reference(curve.id)
+            .reference(curve)
             .word(".T.")
             .close()?;
         self.edges[i] = Some(id);

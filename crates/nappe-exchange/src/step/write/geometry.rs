@@ -1,60 +1,33 @@
 //! Curves and surfaces as entities.
 
 use super::WriteError;
-use super::conic::{Conic, conic};
+use super::conic::Conic;
+use super::forms::{CurveShape, SplineCurve, SplineSurface, SurfaceShape};
 use super::out::Out;
-use nappe::exact::{to_nurbs_or_approximate, to_nurbs_or_approximate_curve};
-use nappe::mesh::Certainty;
-use nappe::surface::{Elementary, Surface};
-use nappe::{Curve, Frame, NurbsCurve, NurbsSurface};
+use glam::DVec3;
+use nappe::Frame;
+use nappe::surface::Elementary;
 
 /// A surface in the file.
 pub(super) struct Written {
     pub(super) id: u64,
     /// Whether its normal is that of the surface it stands for.
     pub(super) same: bool,
-    /// How far it is from that.
-    pub(super) certainty: Certainty,
-}
-
-/// A curve in the file.
-pub(super) struct Curved {
-    pub(super) id: u64,
-    /// Whether it ends where the curve ends that it stands for; lines and ellipses go on.
-    pub(super) ends: bool,
-    /// How far it is from that.
-    pub(super) certainty: Certainty,
 }
 
 /// A curve. Lines and ellipses have no name: what trims them has it.
-pub(super) fn curve(
-    out: &mut Out<'_>,
-    curve: &dyn Curve,
-    name: &str,
-    tol: f64,
-) -> Result<Curved, WriteError> {
-    let form =
-        to_nurbs_or_approximate_curve(curve, tol).map_err(|e| WriteError::Shape(e.to_string()))?;
-    let nurbs = form.nurbs;
-    let conic = conic(&nurbs);
-    let ends = conic.is_none();
-    let id = match conic {
-        Some(Conic::Line { from, along }) => {
+pub(super) fn curve(out: &mut Out<'_>, shape: CurveShape, name: &str) -> Result<u64, WriteError> {
+    Ok(match shape {
+        CurveShape::Conic(Conic::Line { from, along }) => {
             let point = out.point(from)?;
-            let direction = out.direction(along.normalize())?;
-            let vector = out
-                .open("VECTOR")
-                .text("")
-                .reference(direction)
-                .real(1.0)
-                .close()?;
+            let vector = out.vector(along, 1.0)?;
             out.open("LINE")
                 .text("")
                 .reference(point)
                 .reference(vector)
                 .close()?
         }
-        Some(Conic::Ellipse { center, x, z, a, b }) => {
+        CurveShape::Conic(Conic::Ellipse { center, x, z, a, b }) => {
             let place = out.placement(center, z, x)?;
             if a == b {
                 out.open("CIRCLE")
@@ -71,37 +44,8 @@ pub(super) fn curve(
                     .close()?
             }
         }
-        None => {
-            let clamped = if nurbs.basis().is_clamped() {
-                nurbs
-            } else {
-                nurbs
-                    .clamped()
-                    .map_err(|e| WriteError::Shape(e.to_string()))?
-            };
-            spline_curve(out, &clamped, name)?
-        }
-    };
-    Ok(Curved {
-        id,
-        ends,
-        certainty: form.certainty,
+        CurveShape::Spline(spline) => spline_curve(out, spline, name)?,
     })
-}
-
-/// Distinct knots and how often each occurs.
-fn knots(all: &[f64]) -> (Vec<usize>, Vec<f64>) {
-    let (mut times, mut distinct): (Vec<usize>, Vec<f64>) = (Vec::new(), Vec::new());
-    for k in all {
-        match (times.last_mut(), distinct.last()) {
-            (Some(n), Some(last)) if last == k => *n += 1,
-            _ => {
-                times.push(1);
-                distinct.push(*k);
-            }
-        }
-    }
-    (times, distinct)
 }
 
 fn counts(out: &mut Out<'_>, times: &[usize]) {
@@ -112,26 +56,28 @@ fn counts(out: &mut Out<'_>, times: &[usize]) {
     out.end();
 }
 
-fn spline_curve(out: &mut Out<'_>, n: &NurbsCurve, name: &str) -> Result<u64, WriteError> {
-    let ids = out.points(&n.control_points())?;
-    let (times, distinct) = knots(n.knots());
-    let [first, last] = n.ends();
-    let rational = n.is_rational();
+fn spline_curve(out: &mut Out<'_>, s: SplineCurve, name: &str) -> Result<u64, WriteError> {
+    let count = s.points.len();
+    let first = out.points(s.points)?;
+    let rational = s.weights.is_some();
     if rational {
         out.open("(BOUNDED_CURVE()B_SPLINE_CURVE");
     } else {
         out.open("B_SPLINE_CURVE_WITH_KNOTS").text(name);
     }
-    out.count(n.degree()).references(&ids).word(".UNSPECIFIED.");
-    out.flag(first == last).word(".F.");
+    out.count(s.degree)
+        .references_from(first, count)
+        .word(".UNSPECIFIED.")
+        .flag(s.closed)
+        .word(".F.");
     if rational {
         out.raw(")B_SPLINE_CURVE_WITH_KNOTS(");
     }
-    counts(out, &times);
-    out.reals(distinct).word(".UNSPECIFIED.");
-    if rational {
+    counts(out, &s.knots.times);
+    out.reals(s.knots.distinct).word(".UNSPECIFIED.");
+    if let Some(weights) = s.weights {
         out.raw(")CURVE()GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_CURVE(");
-        out.reals(n.weights());
+        out.reals(weights);
         out.raw(")REPRESENTATION_ITEM(");
         out.text(name).end();
     }
@@ -139,36 +85,14 @@ fn spline_curve(out: &mut Out<'_>, n: &NurbsCurve, name: &str) -> Result<u64, Wr
 }
 
 /// A surface.
-pub(super) fn surface(
-    out: &mut Out<'_>,
-    surface: &dyn Surface,
-    tol: f64,
-) -> Result<Written, WriteError> {
-    if let Some(e) = surface.elementary() {
-        let (id, same) = elementary(out, &e)?;
-        return Ok(Written {
-            id,
-            same,
-            certainty: Certainty::Exact,
-        });
-    }
-    let form =
-        to_nurbs_or_approximate(surface, tol).map_err(|e| WriteError::Shape(e.to_string()))?;
-    let nurbs = form.nurbs;
-    let clamped = nurbs.basis_u().is_clamped() && nurbs.basis_v().is_clamped();
-    let nurbs = if clamped {
-        nurbs
-    } else {
-        nurbs
-            .clamped()
-            .map_err(|e| WriteError::Shape(e.to_string()))?
+pub(super) fn surface(out: &mut Out<'_>, shape: SurfaceShape) -> Result<Written, WriteError> {
+    let (id, same) = match shape {
+        SurfaceShape::Elementary(e) => elementary(out, &e)?,
+        SurfaceShape::Turned { curve, axis, same } => (turned(out, curve, &axis)?, same),
+        SurfaceShape::Moved { curve, along, same } => (moved(out, curve, along)?, same),
+        SurfaceShape::Spline(spline) => (spline_surface(out, spline)?, true),
     };
-    let id = spline_surface(out, &nurbs)?;
-    Ok(Written {
-        id,
-        same: true,
-        certainty: form.certainty,
-    })
+    Ok(Written { id, same })
 }
 
 /// An elementary surface, and whether its normal in the file is that which it has here.
@@ -250,38 +174,57 @@ fn elementary(out: &mut Out<'_>, e: &Elementary) -> Result<(u64, bool), WriteErr
     })
 }
 
-fn spline_surface(out: &mut Out<'_>, n: &NurbsSurface) -> Result<u64, WriteError> {
-    let [rows, columns] = n.size();
-    let net = out.points(&n.control_points())?;
-    let rational = n.is_rational();
+fn turned(out: &mut Out<'_>, curve: SplineCurve, axis: &Frame) -> Result<u64, WriteError> {
+    let curve = spline_curve(out, curve, "")?;
+    let origin = out.point(axis.origin())?;
+    let z = out.direction(axis.z())?;
+    let axis = out
+        .open("AXIS1_PLACEMENT")
+        .text("")
+        .reference(origin)
+        .reference(z)
+        .close()?;
+    let out = out.open("SURFACE_OF_REVOLUTION").text("");
+    Ok(out.reference(curve).reference(axis).close()?)
+}
+
+fn moved(out: &mut Out<'_>, curve: SplineCurve, along: DVec3) -> Result<u64, WriteError> {
+    let curve = spline_curve(out, curve, "")?;
+    let vector = out.vector(along, along.length())?;
+    let out = out.open("SURFACE_OF_LINEAR_EXTRUSION").text("");
+    Ok(out.reference(curve).reference(vector).close()?)
+}
+
+fn spline_surface(out: &mut Out<'_>, s: SplineSurface) -> Result<u64, WriteError> {
+    let rows = s.points.len() / s.columns;
+    let first = out.points(s.points)?;
+    let rational = s.weights.is_some();
     if rational {
         out.open("(BOUNDED_SURFACE()B_SPLINE_SURFACE");
     } else {
         out.open("B_SPLINE_SURFACE_WITH_KNOTS").text("");
     }
-    out.count(n.basis_u().degree())
-        .count(n.basis_v().degree())
-        .list();
-    net.chunks(columns).for_each(|row| {
-        out.references(row);
-    });
+    let [u, v] = s.degrees;
+    out.count(u).count(v).list();
+    for row in 0..rows {
+        out.references_from(first + (row * s.columns) as u64, s.columns);
+    }
     out.end().word(".UNSPECIFIED.");
-    let points = n.homogeneous();
-    let same = |a: usize, b: usize| points[a] == points[b];
-    let closed_u = (0..columns).all(|j| same(j, (rows - 1) * columns + j));
-    let closed_v = (0..rows).all(|i| same(i * columns, i * columns + columns - 1));
-    out.flag(closed_u).flag(closed_v).word(".F.");
+    let [u, v] = s.closed;
+    out.flag(u).flag(v).word(".F.");
     if rational {
         out.raw(")B_SPLINE_SURFACE_WITH_KNOTS(");
     }
-    let (u, v) = (knots(n.basis_u().knots()), knots(n.basis_v().knots()));
-    counts(out, &u.0);
-    counts(out, &v.0);
-    out.reals(u.1).reals(v.1).word(".UNSPECIFIED.");
-    if rational {
+    let [u, v] = s.knots;
+    counts(out, &u.times);
+    counts(out, &v.times);
+    out.reals(u.distinct)
+        .reals(v.distinct)
+        .word(".UNSPECIFIED.");
+    if let Some(weights) = s.weights {
         out.raw(")GEOMETRIC_REPRESENTATION_ITEM()RATIONAL_B_SPLINE_SURFACE(");
         out.list();
-        for row in n.weights().chunks(columns) {
+        for row in weights.chunks(s.columns) {
             out.reals(row.iter().copied());
         }
         out.end();

@@ -2,16 +2,21 @@
 
 mod body;
 mod conic;
+mod forms;
 mod geometry;
 mod out;
 mod text;
+mod together;
 
 use crate::atomic::write_atomically;
-use crate::{Colour, Document, ExchangeError, ItemForm};
+use crate::report::{Progress, Shares};
+use crate::{Colour, Document, ExchangeError, Item, ItemForm};
+use forms::CurveShape;
 use nappe::Units;
 use nappe::mesh::Certainty;
 use nappe::parallel;
 use out::{Out, encoded};
+use std::collections::VecDeque;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -62,6 +67,8 @@ impl From<io::Error> for WriteError {
 
 /// The least uncertainty that is stated, relative to the largest coordinate: what other systems compute with.
 const LEAST: f64 = 1e-12;
+/// So many faces' forms are found at once, before they are written: enough for all cores, few in memory.
+const GROUP: usize = 128;
 /// The uncertainty that other systems expect of exact shapes, millimetres.
 const USUAL: f64 = 1e-7;
 
@@ -77,12 +84,22 @@ pub fn write(
     document: &Document,
     options: &StepOptions,
 ) -> Result<StepReport, ExchangeError> {
+    write_telling(path, document, options, Progress::default())
+}
+
+/// The same, telling how far it is.
+pub(crate) fn write_telling(
+    path: &Path,
+    document: &Document,
+    options: &StepOptions,
+    progress: Progress<'_>,
+) -> Result<StepReport, ExchangeError> {
     if document.items.is_empty() {
         let (path, what) = (path.to_owned(), "surfaces or curves");
         return Err(ExchangeError::Nothing { path, what });
     }
     let mut shape = None;
-    let written = write_atomically(path, |to| match put(to, document, options) {
+    let written = write_atomically(path, |to| match put(to, document, options, progress) {
         Ok(report) => Ok(report),
         Err(WriteError::Io(e)) => Err(e),
         Err(WriteError::Shape(why)) => {
@@ -104,8 +121,10 @@ pub(super) fn put(
     to: &mut (dyn Write + Send),
     document: &Document,
     options: &StepOptions,
+    progress: Progress<'_>,
 ) -> Result<StepReport, WriteError> {
-    let mut out = Out::new(to, parallel::all_threads());
+    let threads = parallel::all_threads();
+    let mut out = Out::new(to, threads);
     let name = document.name.as_deref().unwrap_or("");
     header(&mut out, name, options.schema);
     let mut report = StepReport {
@@ -118,12 +137,18 @@ pub(super) fn put(
     let mut roots: [Vec<u64>; 3] = Default::default();
     let mut styled: Vec<(u64, Colour, bool)> = Vec::new();
     let mut tolerance = document.uncertainty.unwrap_or(0.0);
-    for item in &document.items {
+    let steps = Shares::new(progress, document.items.iter().map(steps).sum());
+    let mut forms = VecDeque::new();
+    for (i, item) in document.items.iter().enumerate() {
+        if forms.is_empty() {
+            let next = &document.items[i..];
+            let next = &next[..group(next)];
+            forms = forms::forms(next, options.tolerance, threads, &steps)?.into();
+        }
+        let mut forms = forms.pop_front().unwrap_or_default();
         match &item.form {
             ItemForm::Body { body, faces } => {
-                body.validate(f64::INFINITY)
-                    .map_err(|e| WriteError::Shape(format!("`{}`: {e}", item.name)))?;
-                let parts = body::body(&mut out, body, &item.name, faces, options.tolerance)?;
+                let parts = body::body(&mut out, body, &item.name, faces, forms, &steps)?;
                 for (id, solid) in parts.roots {
                     roots[usize::from(!solid)].push(id);
                     report.bodies[usize::from(!solid)] += 1;
@@ -137,18 +162,19 @@ pub(super) fn put(
                 tolerance = tolerance.max(parts.tolerance);
             }
             ItemForm::Curve(curve) => {
-                let curved =
-                    geometry::curve(&mut out, curve.as_ref(), &item.name, options.tolerance)?;
-                report.certainty = report.certainty.and(curved.certainty);
-                let id = if curved.ends {
-                    curved.id
+                let form = forms.curve(0);
+                report.certainty = report.certainty.and(form.certainty);
+                let ends = matches!(form.shape, CurveShape::Spline(_));
+                let id = geometry::curve(&mut out, form.shape, &item.name)?;
+                let id = if ends {
+                    id
                 } else {
                     // Lines and ellipses end where they are trimmed.
                     let [from, to] = curve.ends();
                     let ends = [out.point(from)?, out.point(to)?];
                     out.open("TRIMMED_CURVE")
                         .text(&item.name)
-                        .reference(curved.id)
+                        .reference(id)
                         .references(&ends[..1])
                         .references(&ends[1..])
                         .word(".T.")
@@ -165,11 +191,11 @@ pub(super) fn put(
             }
             ItemForm::Points(points) if points.is_empty() => {}
             ItemForm::Points(points) => {
-                let ids = out.points(points)?;
+                let first = out.points(points.clone())?;
                 let set = out
                     .open("GEOMETRIC_CURVE_SET")
                     .text(&item.name)
-                    .references(&ids)
+                    .references_from(first, points.len())
                     .close()?;
                 roots[2].push(set);
             }
@@ -204,6 +230,28 @@ pub(super) fn put(
     out.raw("ENDSEC;\nEND-ISO-10303-21;\n");
     out.finish()?;
     Ok(report)
+}
+
+/// The steps that an item takes: finding a form for each face and edge, and writing each face.
+fn steps(item: &Item) -> usize {
+    match &item.form {
+        ItemForm::Body { body, .. } => 2 * body.faces.len() + body.edges.len(),
+        ItemForm::Curve(_) => 1,
+        ItemForm::Points(_) => 0,
+    }
+}
+
+/// How many of the first items have [`GROUP`] faces, curves and points, or more.
+fn group(items: &[Item]) -> usize {
+    let mut size = 0;
+    let large = items.iter().position(|item| {
+        size += match &item.form {
+            ItemForm::Body { body, .. } => body.faces.len(),
+            _ => 1,
+        };
+        size >= GROUP
+    });
+    large.map_or(items.len(), |i| i + 1)
 }
 
 fn header(out: &mut Out<'_>, name: &str, schema: Schema) {

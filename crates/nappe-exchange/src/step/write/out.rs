@@ -4,58 +4,54 @@ use super::text::Text;
 use glam::DVec3;
 use nappe::parallel;
 use std::io::{self, Write};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Bytes gathered before they are handed on.
-const PART: usize = 1 << 16;
-/// So many points are spelled by one thread without a pause; fewer are spelled at once.
-const POINTS: usize = 1 << 10;
-/// The least of points that are worth another thread.
-const FEW: usize = 64;
+/// So many points or references are spelled by one thread without a pause.
+const MANY: usize = 1 << 10;
+/// The least of points or references that are worth being spelled later.
+const FEW: usize = 8;
 /// What a point takes in the file, about.
-const POINT: usize = 70;
-/// Bytes, about, that are spelled before all threads wait for each other.
+const POINT: usize = 80;
+/// What a reference takes.
+const REFERENCE: usize = 9;
+/// Bytes, about, that one thread makes at once.
+const PART: usize = 1 << 16;
+/// Bytes, about, that are gathered before all threads make the text of them.
 const BATCH: usize = 1 << 22;
 
-/// Entities one after the other.
-enum Block {
-    Text(Vec<u8>),
+/// What is spelled later. It stands in the text where it was asked for.
+enum Later {
     /// Points with the number of the first.
     Points(u64, Vec<DVec3>),
+    /// The numbers from the first on, separated.
+    References(u64, usize),
 }
 
-impl Block {
-    fn spelled(&self) -> Option<Vec<u8>> {
-        let Block::Points(first, points) = self else {
-            return None;
-        };
-        let mut text = Text::with_capacity(POINT * points.len());
-        for (id, p) in (*first..).zip(points) {
-            text.point(id, *p);
+impl Later {
+    /// What it takes in the file, about.
+    fn size(&self) -> usize {
+        match self {
+            Later::Points(_, points) => POINT * points.len(),
+            Later::References(_, count) => REFERENCE * count,
         }
-        Some(text.bytes)
+    }
+
+    fn spell(&self, text: &mut Text) {
+        match self {
+            Later::Points(first, points) => text.points(*first, points),
+            Later::References(first, count) => text.references(*first, *count),
+        }
     }
 }
 
-/// Where the text goes in the end, and what is ready to go there.
-struct Target<'w> {
-    to: &'w mut (dyn Write + Send),
-    ready: Vec<Vec<u8>>,
-}
-
-impl Target<'_> {
-    fn pass_on(&mut self) -> io::Result<()> {
-        self.ready.drain(..).try_for_each(|t| self.to.write_all(&t))
-    }
-}
-
-/// Writes entities one after the other. Values are separated where they follow each other. Many points at once are spelled
-/// later, on all cores: their numbers are known before.
+/// Writes entities one after the other. Values are separated where they follow each other. Many points at once, and lists of
+/// references to them, are spelled later, on all cores: their numbers are known before.
 pub(super) struct Out<'w> {
-    target: Mutex<Target<'w>>,
+    to: &'w mut (dyn Write + Send),
     text: Text,
-    blocks: Vec<Block>,
-    /// Bytes of blocks, about.
+    /// What comes later, and before which place of the text.
+    later: Vec<(usize, Later)>,
+    /// What that takes in the file, about.
     waiting: usize,
     threads: usize,
     last: u64,
@@ -65,11 +61,10 @@ pub(super) struct Out<'w> {
 
 impl<'w> Out<'w> {
     pub(super) fn new(to: &'w mut (dyn Write + Send), threads: usize) -> Self {
-        let ready = Vec::new();
         Out {
-            target: Mutex::new(Target { to, ready }),
-            text: Text::with_capacity(2 * PART),
-            blocks: Vec::new(),
+            to,
+            text: Text::with_capacity(PART),
+            later: Vec::new(),
             waiting: 0,
             threads,
             last: 0,
@@ -112,51 +107,71 @@ impl<'w> Out<'w> {
         Ok(self.last)
     }
 
+    fn put_later(&mut self, later: Later) {
+        self.waiting += later.size();
+        self.later.push((self.text.bytes.len(), later));
+    }
+
     fn pass_on(&mut self) -> io::Result<()> {
-        if self.text.bytes.len() >= PART {
-            self.cut();
-        }
-        if self.waiting >= BATCH {
+        if self.text.bytes.len() + self.waiting >= BATCH {
             self.spell()?;
         }
         Ok(())
     }
 
-    /// Makes a block of the text until here.
-    fn cut(&mut self) {
-        let next = Text::with_capacity(2 * PART);
-        let text = std::mem::replace(&mut self.text, next).bytes;
-        self.waiting += text.len();
-        self.blocks.push(Block::Text(text));
+    /// What is gathered, in parts of about [`PART`] bytes: where in the text each ends, and before which of what comes later.
+    fn parts(&self) -> Vec<[usize; 2]> {
+        let (mut parts, mut size, mut from) = (Vec::new(), 0, 0);
+        for (k, (at, later)) in self.later.iter().enumerate() {
+            size += at - from + later.size();
+            from = *at;
+            if size >= PART {
+                parts.push([*at, k + 1]);
+                size = 0;
+            }
+        }
+        parts.push([self.text.bytes.len(), self.later.len()]);
+        parts
     }
 
-    /// Spells the blocks, while what was spelled before is written.
+    /// Makes the text of what is gathered, and writes it.
     fn spell(&mut self) -> io::Result<()> {
-        let (blocks, target) = (&self.blocks, &self.target);
-        let work = |i: usize| -> io::Result<Option<Vec<u8>>> {
-            match i.checked_sub(1) {
-                None => locked(target).pass_on().map(|()| None),
-                Some(i) => Ok(blocks[i].spelled()),
+        let parts = self.parts();
+        let (text, later, failed) = (&self.text.bytes, &self.later, AtomicBool::new(false));
+        let work = |i: usize| -> Vec<u8> {
+            if failed.load(Relaxed) {
+                return Vec::new();
+            }
+            let [mut from, first] = if i == 0 { [0; 2] } else { parts[i - 1] };
+            let [end, last] = parts[i];
+            let own = &later[first..last];
+            let size: usize = own.iter().map(|(_, l)| l.size()).sum();
+            let mut part = Text::with_capacity(end - from + size);
+            for (at, l) in own {
+                part.bytes.extend_from_slice(&text[from..*at]);
+                l.spell(&mut part);
+                from = *at;
+            }
+            part.bytes.extend_from_slice(&text[from..end]);
+            part.bytes
+        };
+        let (to, mut done) = (&mut self.to, Ok(()));
+        let take = |part: Vec<u8>| {
+            if done.is_ok() {
+                done = to.write_all(&part);
+                failed.store(done.is_err(), Relaxed);
             }
         };
-        let spelled = parallel::each(self.threads, blocks.len() + 1, work, |r| r.is_err());
-        let spelled: io::Result<Vec<Option<Vec<u8>>>> = spelled.into_iter().collect();
-        let spelled = spelled?.into_iter().skip(1);
-        let texts = self.blocks.drain(..).zip(spelled).map(|pair| match pair {
-            (Block::Text(text), _) => text,
-            (Block::Points(..), text) => text.unwrap_or_default(),
-        });
-        locked(&self.target).ready.extend(texts);
+        parallel::in_order(self.threads, parts.len(), work, |_| false, take);
+        self.text.bytes.clear();
+        self.later.clear();
         self.waiting = 0;
-        Ok(())
+        done
     }
 
     pub(super) fn finish(mut self) -> io::Result<()> {
-        self.cut();
         self.spell()?;
-        let mut target = locked(&self.target);
-        target.pass_on()?;
-        target.to.flush()
+        self.to.flush()
     }
 
     fn comma(&mut self) {
@@ -229,34 +244,60 @@ impl<'w> Out<'w> {
         self.end()
     }
 
-    pub(super) fn point(&mut self, p: DVec3) -> io::Result<u64> {
-        self.last += 1;
-        self.finite &= p.is_finite();
-        self.text.point(self.last, p);
-        self.pass_on()?;
-        Ok(self.last)
+    /// A list of references to entities whose numbers follow each other.
+    pub(super) fn references_from(&mut self, first: u64, count: usize) -> &mut Self {
+        self.list();
+        if count < FEW {
+            self.text.references(first, count);
+        } else {
+            for from in (0..count).step_by(MANY) {
+                if from > 0 {
+                    self.text.bytes.push(b',');
+                }
+                self.put_later(Later::References(
+                    first + from as u64,
+                    MANY.min(count - from),
+                ));
+            }
+        }
+        self.end()
     }
 
-    /// Points one after the other.
-    pub(super) fn points(&mut self, points: &[DVec3]) -> io::Result<Vec<u64>> {
+    pub(super) fn point(&mut self, p: DVec3) -> io::Result<u64> {
+        self.points(vec![p])
+    }
+
+    /// Points one after the other; the number of the first.
+    pub(super) fn points(&mut self, points: Vec<DVec3>) -> io::Result<u64> {
         let first = self.last + 1;
+        self.finite &= points.iter().all(|p| p.is_finite());
+        self.last += points.len() as u64;
         if points.len() < FEW {
-            return points.iter().map(|p| self.point(*p)).collect();
+            self.text.points(first, &points);
+        } else if points.len() <= MANY {
+            self.put_later(Later::Points(first, points));
+        } else {
+            for (k, part) in points.chunks(MANY).enumerate() {
+                self.put_later(Later::Points(first + (k * MANY) as u64, part.to_vec()));
+                self.pass_on()?;
+            }
         }
-        self.cut();
-        for part in points.chunks(POINTS) {
-            self.finite &= part.iter().all(|p| p.is_finite());
-            self.blocks
-                .push(Block::Points(self.last + 1, part.to_vec()));
-            self.last += part.len() as u64;
-            self.waiting += POINT * part.len();
-            self.pass_on()?;
-        }
-        Ok((first..=self.last).collect())
+        self.pass_on()?;
+        Ok(first)
     }
 
     pub(super) fn direction(&mut self, d: DVec3) -> io::Result<u64> {
         self.open("DIRECTION").text("").reals(d.to_array()).close()
+    }
+
+    /// A direction with a length.
+    pub(super) fn vector(&mut self, way: DVec3, length: f64) -> io::Result<u64> {
+        let direction = self.direction(way.normalize())?;
+        self.open("VECTOR")
+            .text("")
+            .reference(direction)
+            .real(length)
+            .close()
     }
 
     pub(super) fn placement(&mut self, origin: DVec3, z: DVec3, x: DVec3) -> io::Result<u64> {
@@ -269,11 +310,6 @@ impl<'w> Out<'w> {
             .reference(x)
             .close()
     }
-}
-
-/// A lock that stays of use after a panic elsewhere: that ends the work anyway.
-fn locked<'t, 'w>(target: &'t Mutex<Target<'w>>) -> MutexGuard<'t, Target<'w>> {
-    target.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A text between quotes, letters beyond ASCII as escapes.
@@ -317,17 +353,16 @@ mod tests {
         let mut out = Out::new(&mut bytes, threads);
         let point =
             |i: usize| DVec3::new(i as f64 / 3.0, -1e-9 * i as f64, 1e20 / (i as f64 + 0.5));
-        for n in [1, 63, 64, 1024, 5000, 3 * BATCH / POINT] {
+        for n in [1, 7, 8, 63, 1024, 1025, 5000, 3 * BATCH / POINT] {
             let points: Vec<DVec3> = (0..n).map(point).collect();
-            let ids = if at_once {
-                out.points(&points).unwrap()
+            let list = if at_once {
+                let first = out.points(points).unwrap();
+                out.open("LIST").references_from(first, n)
             } else {
-                points.iter().map(|p| out.point(*p).unwrap()).collect()
+                let ids: Vec<u64> = points.iter().map(|p| out.point(*p).unwrap()).collect();
+                out.open("LIST").references(&ids)
             };
-            out.open("LIST")
-                .references(&ids[..n.min(9)])
-                .close()
-                .unwrap();
+            list.close().unwrap();
         }
         assert!(out.is_finite());
         out.finish().unwrap();
@@ -359,7 +394,7 @@ mod tests {
         let mut points = vec![DVec3::ONE; 3 * BATCH / POINT];
         points[2000].y = f64::NAN;
         // Told soon, or at the end at the latest.
-        let told = out.points(&points).err();
+        let told = out.points(points).err();
         assert!(!out.is_finite() || told.is_some());
         let told = told.or_else(|| out.finish().err()).unwrap();
         assert_eq!(told.kind(), io::ErrorKind::StorageFull);

@@ -34,16 +34,7 @@ impl Text {
     }
 
     pub(super) fn digits(&mut self, n: u64) {
-        let (mut digits, mut at, mut n) = ([0u8; 20], 20, n);
-        loop {
-            at -= 1;
-            digits[at] = b'0' + (n % 10) as u8;
-            n /= 10;
-            if n == 0 {
-                break;
-            }
-        }
-        self.bytes.extend_from_slice(&digits[at..]);
+        self.bytes.extend_from_slice(Counter::new(n).digits());
     }
 
     /// The shortest decimal that reads back as the same number, in the standard's spelling: `1.`, `2.5E-7`; `0.` for what is
@@ -76,16 +67,71 @@ impl Text {
         self.bytes.extend_from_slice(&power[1..]);
     }
 
-    /// A whole point.
-    pub(super) fn point(&mut self, id: u64, p: DVec3) {
-        self.begin(id);
-        self.bytes.extend_from_slice(b"CARTESIAN_POINT('',(");
-        self.spell(p.x);
-        self.bytes.push(b',');
-        self.spell(p.y);
-        self.bytes.push(b',');
-        self.spell(p.z);
-        self.bytes.extend_from_slice(b"));\n");
+    /// Whole points whose numbers follow each other.
+    pub(super) fn points(&mut self, first: u64, points: &[DVec3]) {
+        let mut number = Counter::new(first);
+        for p in points {
+            self.bytes.push(b'#');
+            self.bytes.extend_from_slice(number.digits());
+            number.add_one();
+            self.bytes.extend_from_slice(b"=CARTESIAN_POINT('',(");
+            self.spell(p.x);
+            self.bytes.push(b',');
+            self.spell(p.y);
+            self.bytes.push(b',');
+            self.spell(p.z);
+            self.bytes.extend_from_slice(b"));\n");
+        }
+    }
+
+    /// References that follow each other, separated.
+    pub(super) fn references(&mut self, first: u64, count: usize) {
+        let mut number = Counter::new(first);
+        for k in 0..count {
+            self.bytes
+                .extend_from_slice(if k == 0 { b"#" } else { b",#" });
+            self.bytes.extend_from_slice(number.digits());
+            number.add_one();
+        }
+    }
+}
+
+/// The digits of one number after the other: adding 1 to them takes less than making them.
+struct Counter {
+    digits: [u8; DIGITS],
+    /// Where the number begins.
+    at: usize,
+}
+
+/// The digits of the largest number.
+const DIGITS: usize = 20;
+
+impl Counter {
+    fn new(first: u64) -> Self {
+        let (mut digits, mut at, mut n) = ([b'0'; DIGITS], DIGITS, first);
+        loop {
+            at -= 1;
+            digits[at] = b'0' + (n % 10) as u8;
+            n /= 10;
+            if n == 0 {
+                return Counter { digits, at };
+            }
+        }
+    }
+
+    fn digits(&self) -> &[u8] {
+        &self.digits[self.at..]
+    }
+
+    fn add_one(&mut self) {
+        for (i, d) in self.digits.iter_mut().enumerate().rev() {
+            if *d < b'9' {
+                *d += 1;
+                self.at = self.at.min(i);
+                return;
+            }
+            *d = b'0';
+        }
     }
 }
 
@@ -97,6 +143,16 @@ mod tests {
         let mut text = Text::with_capacity(0);
         text.spell(x);
         String::from_utf8(text.bytes).unwrap()
+    }
+
+    #[test]
+    fn references_count_up_over_any_power_of_ten() {
+        for first in [0, 1, 8, 98, 99_999_999_995, u64::MAX - 12] {
+            let mut text = Text::with_capacity(0);
+            text.references(first, 12);
+            let wanted: Vec<String> = (first..first + 12).map(|n| format!("#{n}")).collect();
+            assert_eq!(String::from_utf8(text.bytes).unwrap(), wanted.join(","));
+        }
     }
 
     #[test]
