@@ -672,6 +672,17 @@ pub(crate) fn with_quads(kernel: impl QuadKernel) {
     kernel.run(Plain);
 }
 
+/// Runs a computation of plain loops, which the compiler fills with registers as long as AVX2's where the machine has them; it must be
+/// inlined.
+#[inline]
+pub(crate) fn vectorized<R>(work: impl FnOnce() -> R) -> R {
+    #[cfg(target_arch = "x86_64")]
+    if let Some(simd) = V3::try_new() {
+        return pulp::Simd::vectorize(simd, work);
+    }
+    work()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

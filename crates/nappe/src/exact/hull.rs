@@ -127,6 +127,25 @@ pub(super) fn middle(net: &[DVec4], columns: usize, [u, v]: [&Part; 2]) -> DVec4
     if sum.is_finite() { sum } else { DVec4::ZERO }
 }
 
+/// The Bézier points over the part, those of the first row of u first.
+pub(super) fn bezier_points(net: &[DVec4], columns: usize, [u, v]: [&Part; 2]) -> Vec<DVec4> {
+    let rows = |part: &Part| part.orders[0].rows.clone();
+    let (of_u, of_v) = (rows(u), rows(v));
+    let mut out = Vec::new();
+    for f in of_u.chunks(u.points) {
+        for g in of_v.chunks(v.points) {
+            let mut sum = DVec4::ZERO;
+            for (k, f) in f.iter().enumerate() {
+                for (l, g) in g.iter().enumerate() {
+                    sum += net[(u.first + k) * columns + v.first + l] * (f * g);
+                }
+            }
+            out.push(sum);
+        }
+    }
+    out
+}
+
 /// `Σ f x`.
 #[inline(always)]
 fn combine(factors: &[f64], x: &[Point]) -> Point {

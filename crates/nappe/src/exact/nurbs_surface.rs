@@ -275,6 +275,18 @@ impl NurbsSurface {
         &self.form
     }
 
+    /// The homogeneous Bézier points over a part of a span, those of the first row of u first, each with a few roundings of
+    /// the points of the span.
+    pub(crate) fn bezier_points(&self, uv: [Interval; 2]) -> Vec<DVec4> {
+        let part = |basis, t| hull::Part::new(basis, t, Limit::Above, 0);
+        let parts = [part(&self.basis_u, uv[0]), part(&self.basis_v, uv[1])];
+        hull::bezier_points(
+            self.homogeneous(),
+            self.basis_v.count(),
+            [&parts[0], &parts[1]],
+        )
+    }
+
     /// True if the weights differ.
     pub fn is_rational(&self) -> bool {
         self.form.is_rational()

@@ -3,7 +3,8 @@
 //! [`Finder`] is prepared once for some surfaces, or curves, and then gives the nearest point to any point, one by one or
 //! many at once, or all nearest points ([`Locus`]). [`SignedFinder`] also tells on which side of the surfaces a point is.
 //! The files: `shape` is what surfaces and curves have in common, `part` bounds the distance over a part of one, `tree` keeps
-//! parts of all so that few of them are looked at, `nearest` searches. `within` finds all that is no farther away than that,
+//! parts of all so that few of them are looked at, `descent` goes down to the nearest place of one, `nearest` searches. `patch` is a
+//! polynomial piece, for which the distance is a polynomial too (`bernstein`), and `patches` searches these. `within` finds all that is no farther away than that,
 //! for `all` and for `side`.
 //!
 //! [`trace`] gives all curves on which a function of two parameters is zero ([`Field`]: an expression, a formula, or a
@@ -15,8 +16,10 @@
 //! points.
 
 mod all;
+mod bernstein;
 mod cells;
 mod chains;
+mod descent;
 mod extended;
 mod field;
 mod figure;
@@ -24,6 +27,8 @@ mod intersect;
 mod meet;
 mod nearest;
 mod part;
+mod patch;
+mod patches;
 mod path;
 mod seams;
 mod shape;

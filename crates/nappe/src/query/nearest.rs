@@ -190,7 +190,7 @@ impl Finder {
     }
 
     /// What may be left between the distance found and the least that is not excluded, for some rounding errors of points.
-    fn gap(&self, rounding: f64) -> f64 {
+    pub(super) fn gap(&self, rounding: f64) -> f64 {
         (self.tol - rounding).max(ABOVE_ROUNDING * rounding)
     }
 
@@ -230,23 +230,23 @@ pub(super) fn check_tolerance(tol: f64) -> Result<(), QueryError> {
 }
 
 /// What is still to be looked at.
-enum Item {
+pub(super) enum Item {
     Node(u32),
     /// Made for this point.
     Part(Box<Part>),
 }
 
 /// The search for one point.
-struct Search<'a> {
-    finder: &'a Finder,
-    p: DVec3,
-    best: Option<Place>,
+pub(super) struct Search<'a> {
+    pub(super) finder: &'a Finder,
+    pub(super) p: DVec3,
+    pub(super) best: Option<Place>,
     /// The rounding errors of its distance.
     rounding: f64,
     /// Distances from here on need no look.
-    limit: f64,
+    pub(super) limit: f64,
     /// No point of what has been settled is nearer.
-    lower: f64,
+    pub(super) lower: f64,
     /// The least lower bound first.
     heap: BinaryHeap<Ranked<Item>>,
     pushed: usize,
@@ -254,7 +254,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    fn push(&mut self, lower: f64, item: Item) {
+    pub(super) fn push(&mut self, lower: f64, item: Item) {
         if lower >= self.limit {
             self.lower = self.lower.min(lower);
         } else {
@@ -285,6 +285,7 @@ impl Search<'_> {
                 return;
             }
             match item {
+                Item::Node(k) if tree.nodes[k as usize].patched => self.patches(k, lower),
                 Item::Node(k) => {
                     let node = &tree.nodes[k as usize];
                     let part = node.part.map(|part| &tree.parts[part as usize]);
@@ -320,7 +321,7 @@ impl Search<'_> {
     }
 
     /// The bound of a node: that of its part if it has one, or that of what it is part of.
-    fn bound(&self, k: u32, above: f64) -> f64 {
+    pub(super) fn bound(&self, k: u32, above: f64) -> f64 {
         let tree = &self.finder.tree;
         let node = &tree.nodes[k as usize];
         let lower = node.hull.distance2(self.p).sqrt().max(above);
@@ -330,7 +331,7 @@ impl Search<'_> {
         }
     }
 
-    fn improve(&mut self, part: &Part, place: Place) {
+    pub(super) fn improve(&mut self, part: &Part, place: Place) {
         let nearer = |b: Place| place.half_square < b.half_square;
         if place.half_square.is_finite() && self.best.is_none_or(nearer) {
             self.best = Some(place);
@@ -362,7 +363,7 @@ impl Search<'_> {
         Some(least)
     }
 
-    fn part(&mut self, part: &Part, lower: f64) {
+    pub(super) fn part(&mut self, part: &Part, lower: f64) {
         let Some(lower) = self.convex(part, lower) else {
             return;
         };

@@ -11,6 +11,7 @@
 //! A curve is treated as if its second parameter led straight into a dimension of its own, so that `s_2` adds `½ s_2²`; it
 //! is always 0.
 
+use super::descent::{Local, descend};
 use super::shape::Shape;
 use crate::box3::Box3;
 use crate::interval::Interval;
@@ -25,7 +26,7 @@ pub(super) struct Part {
     pub(super) hull: Hull,
     /// The point in the middle, and the first derivatives times half the widths.
     centre: DVec3,
-    first: [DVec3; 2],
+    pub(super) first: [DVec3; 2],
     /// The unit normal in the middle.
     normal: DVec3,
     /// How far its points are from the middle, and how far its parameters `s` are.
@@ -108,10 +109,6 @@ const KNOWN: f64 = 0.25;
 pub(super) const EXACTNESS: f64 = 1e-13;
 /// Rounding errors as a share of the terms.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Steps of Newton's method at most; it converges in a few.
-const STEPS: usize = 32;
-/// Halvings of a step that leads up.
-const HALVINGS: usize = 30;
 
 impl Part {
     pub(super) fn new(shapes: &[Shape], surface: u32, uv: [Interval; 2]) -> Self {
@@ -248,7 +245,7 @@ impl Part {
     }
 
     /// The distance of half a square, less rounding errors of points.
-    fn distance(&self, half_square: f64, p: DVec3) -> f64 {
+    pub(super) fn distance(&self, half_square: f64, p: DVec3) -> f64 {
         length(half_square) - self.rounding(p)
     }
 
@@ -275,58 +272,25 @@ impl Part {
         p: DVec3,
         enough: impl Fn(f64, f64) -> bool,
     ) -> (Place, f64) {
-        let mut uv = self.uv.map(Interval::mid);
-        let (mut best, mut lower) = (self.middle(p), f64::NEG_INFINITY);
-        let mut now = self.tangents(shape, p, uv);
-        for _ in 0..STEPS {
-            if now.half_square < best.half_square {
-                best = Place {
-                    uv,
-                    point: now.point,
-                    half_square: now.half_square,
-                    ..best
-                };
-            }
-            lower = f64::max(lower, self.distance(self.least(&now, uv), p));
-            if enough(best.half_square, lower) {
-                break;
-            }
-            let Some(step) = self.step(&now, uv) else {
-                break;
-            };
-            let mut share = 1.0;
-            let mut next = None;
-            for _ in 0..HALVINGS {
-                let to = [0, 1].map(|d| {
-                    let t = self.uv[d];
-                    (uv[d] + share * step[d]).clamp(t.lo, t.hi)
-                });
-                if to == uv {
-                    break;
-                }
-                let there = self.tangents(shape, p, to);
-                if there.half_square <= now.half_square {
-                    next = Some((to, there));
-                    break;
-                }
-                share *= 0.5;
-            }
-            let Some((to, there)) = next else {
-                break;
-            };
-            (uv, now) = (to, there);
-        }
-        (best, lower)
+        let (middle, mut lower) = (self.middle(p), f64::NEG_INFINITY);
+        let from = Local::new(shape, p, middle.uv, self.uv);
+        let at = descend(shape, p, from, [self.uv; 2], self.far, |at| {
+            lower = f64::max(lower, self.distance(at.least(self.uv), p));
+            enough(at.half_square.min(middle.half_square), lower)
+        });
+        let found = self.place(&at);
+        let nearer = found.half_square < middle.half_square;
+        (if nearer { found } else { middle }, lower)
     }
 
-    /// The least value of the tangent plane of half the squared distance.
-    fn least(&self, at: &Local, uv: [f64; 2]) -> f64 {
-        // Where the gradient leads out of the box, nothing is lost.
-        let gain = |d: usize| {
-            let (t, g) = (self.uv[d], at.gradient[d]);
-            (g * (t.lo - uv[d])).min(g * (t.hi - uv[d]))
-        };
-        at.half_square + gain(0) + gain(1)
+    /// A place of its surface.
+    pub(super) fn place(&self, at: &Local) -> Place {
+        Place {
+            surface: self.surface,
+            uv: at.uv,
+            point: at.point,
+            half_square: at.half_square,
+        }
     }
 
     /// Of a part where the distance is convex: the parameters of all places that are within `reach`, as seen from one of
@@ -338,8 +302,7 @@ impl Part {
         at: [f64; 2],
         reach: f64,
     ) -> Option<[Interval; 2]> {
-        let local = self.tangents(shape, p, at);
-        let least = self.least(&local, at);
+        let least = Local::new(shape, p, at, self.uv).least(self.uv);
         let lower = self.distance(least, p).max(0.0);
         if lower > reach {
             return None;
@@ -380,58 +343,10 @@ impl Part {
             }
         }))
     }
-
-    fn tangents(&self, shape: &Shape, p: DVec3, uv: [f64; 2]) -> Local {
-        let mut jet = [DVec3::ZERO; jet_len(2)];
-        shape.jet_into(uv, self.uv, 2, &mut jet);
-        let [point, a, b, aa, ab, bb] = jet;
-        let e = point - p;
-        Local {
-            point,
-            half_square: 0.5 * e.length_squared(),
-            gradient: [e.dot(a), e.dot(b)],
-            hessian: [
-                a.dot(a) + e.dot(aa),
-                a.dot(b) + e.dot(ab),
-                b.dot(b) + e.dot(bb),
-            ],
-        }
-    }
-
-    /// Newton's step along the directions that do not lead out of the box.
-    fn step(&self, at: &Local, uv: [f64; 2]) -> Option<[f64; 2]> {
-        let Local {
-            gradient: [g, h],
-            hessian: [uu, uv_, vv],
-            ..
-        } = *at;
-        let held = [0, 1].map(|d| {
-            let (t, g) = (self.uv[d], at.gradient[d]);
-            t.is_point() || (uv[d] <= t.lo && g > 0.0) || (uv[d] >= t.hi && g < 0.0)
-        });
-        let step = match held {
-            [true, true] => return None,
-            [true, false] => [0.0, -h / vv],
-            [false, true] => [-g / uu, 0.0],
-            [false, false] => {
-                let det = uu * vv - uv_ * uv_;
-                [(uv_ * h - vv * g) / det, (uv_ * g - uu * h) / det]
-            }
-        };
-        (step[0].is_finite() && step[1].is_finite()).then_some(step)
-    }
 }
 
 /// How far the ends are from the middle, which is rounded too.
 fn half_width(t: Interval) -> f64 {
     let m = t.mid();
     (m - t.lo).max(t.hi - m).next_up()
-}
-
-/// The distance at a place with its derivatives by u and v.
-struct Local {
-    point: DVec3,
-    half_square: f64,
-    gradient: [f64; 2],
-    hessian: [f64; 3],
 }

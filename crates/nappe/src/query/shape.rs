@@ -2,9 +2,11 @@
 //!
 //! A curve is taken for a surface whose second parameter is always 0 and changes nothing.
 
+use super::patch::net;
 use crate::box3::Box3;
 use crate::breaks::{Break, Breaks, Limit, inwards};
 use crate::curve::CurveRef;
+use crate::exact::NurbsSurface;
 use crate::interval::Interval;
 use crate::surface::{Dir, SurfaceRef, jet_len};
 use glam::DVec3;
@@ -36,6 +38,14 @@ impl Shape {
         match self {
             Shape::Surface(s) => s.domain(),
             Shape::Curve(c) => [c.domain(), Interval::ZERO],
+        }
+    }
+
+    /// Its net, if its pieces are polynomials of low degrees.
+    pub(super) fn net(&self) -> Option<NurbsSurface> {
+        match self {
+            Shape::Surface(s) => net(s.as_ref()),
+            Shape::Curve(_) => None,
         }
     }
 

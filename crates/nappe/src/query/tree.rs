@@ -1,8 +1,10 @@
 //! Parts of surfaces in a tree of boxes.
 
 use super::part::{EXACTNESS, Hull, Part};
+use super::patch::Patch;
 use super::shape::Shape;
 use crate::box3::Box3;
+use crate::exact::NurbsSurface;
 use crate::interval::Interval;
 use crate::parallel;
 use glam::DVec3;
@@ -19,6 +21,22 @@ pub(super) struct Node {
     pub(super) part: Option<u32>,
     /// The number of the first of two nodes below, if there are any.
     pub(super) below: Option<u32>,
+    /// The number of the patch, if the part is a piece that is one.
+    pub(super) patch: Option<u32>,
+    /// True if all pieces in the box are patches.
+    pub(super) patched: bool,
+}
+
+impl Node {
+    fn empty(hull: Hull) -> Self {
+        Self {
+            hull,
+            part: None,
+            below: None,
+            patch: None,
+            patched: false,
+        }
+    }
 }
 
 /// All parts, with a tree of boxes over them whose root is the first node: halves of parts, parts of pieces, and pieces of
@@ -27,6 +45,7 @@ pub(super) struct Node {
 pub(super) struct Tree {
     pub(super) nodes: Vec<Node>,
     pub(super) parts: Vec<Part>,
+    pub(super) patches: Vec<Patch>,
     /// That of the box around all surfaces; where no box encloses them, that around the parts that have one.
     pub(super) diagonal: f64,
 }
@@ -41,22 +60,24 @@ impl Tree {
         let bounds: Vec<Box3> = shapes.iter().map(Shape::bounds).collect();
         let bounded = bounds.iter().copied().filter(|b| b.is_finite());
         let diagonal = bounded.reduce(Box3::hull).map_or(0.0, Box3::diagonal);
+        let nets: Vec<Option<NurbsSurface>> = shapes.iter().map(Shape::net).collect();
         let of = |k: usize| {
             let (surface, uv) = pieces[k];
-            Divided::new(shapes, Part::new(shapes, surface, uv), diagonal)
+            let net = nets[surface as usize].as_ref();
+            Divided {
+                patch: net.and_then(|net| Patch::new(net, uv)),
+                ..Divided::new(shapes, Part::new(shapes, surface, uv), diagonal)
+            }
         };
         let pieces = parallel::each(threads, pieces.len(), of, |_| false);
         let mut tree = Self {
             nodes: Vec::new(),
             parts: Vec::new(),
+            patches: Vec::new(),
             diagonal,
         };
         if let Some(first) = pieces.first() {
-            tree.nodes.push(Node {
-                hull: first.hulls[0],
-                part: None,
-                below: None,
-            });
+            tree.nodes.push(Node::empty(first.hulls[0]));
             tree.branch(0, pieces);
         }
         if !bounds.iter().all(|b| b.is_finite()) {
@@ -104,6 +125,7 @@ impl Tree {
         let first = self.pair(node, all);
         self.branch(first, pieces);
         self.branch(first + 1, upper);
+        self.nodes[node].patched = self.nodes[first..first + 2].iter().all(|n| n.patched);
     }
 
     /// Makes room for two nodes below a node.
@@ -111,12 +133,7 @@ impl Tree {
         let first = self.nodes.len();
         self.nodes[node].hull = hull;
         self.nodes[node].below = Some(first as u32);
-        let empty = Node {
-            hull,
-            part: None,
-            below: None,
-        };
-        self.nodes.extend([empty; 2]);
+        self.nodes.extend([Node::empty(hull); 2]);
         first
     }
 
@@ -134,6 +151,11 @@ impl Tree {
             self.nodes[node].hull = hull;
             self.nodes[node].part = Some((first_part + k) as u32);
         }
+        if let Some(patch) = piece.patch {
+            self.nodes[node].patch = Some(self.patches.len() as u32);
+            self.nodes[node].patched = true;
+            self.patches.push(patch);
+        }
     }
 }
 
@@ -145,6 +167,7 @@ struct Divided {
     halves: Vec<Option<usize>>,
     /// The boxes of the parts, no larger than those around their halves.
     hulls: Vec<Hull>,
+    patch: Option<Patch>,
 }
 
 impl Divided {
@@ -153,6 +176,7 @@ impl Divided {
             parts: vec![whole],
             halves: vec![None],
             hulls: Vec::new(),
+            patch: None,
         };
         let mut depths = vec![0];
         let mut k = 0;

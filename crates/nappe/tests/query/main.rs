@@ -4,7 +4,9 @@
 
 mod all;
 mod curves;
+mod million;
 mod nearest;
+mod polynomials;
 mod side;
 
 use nappe::DVec3;
