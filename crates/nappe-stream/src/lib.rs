@@ -272,9 +272,9 @@ mod tests {
             assert!(std::panic::catch_unwind(f).is_err());
             assert_eq!(out, [0.0; 40]);
         };
-        refused(&|w| drop(w.lines::<[f64; 4]>(w.to_line(0) + 4, 8)));
-        refused(&|w| drop(w.lines::<[f64; 4]>(w.to_line(0), 12)));
-        refused(&|w| drop(w.lines::<[f64; 4]>(w.to_line(0), 48)));
+        refused(&|w| _ = w.lines::<[f64; 4]>(w.to_line(0) + 4, 8));
+        refused(&|w| _ = w.lines::<[f64; 4]>(w.to_line(0), 12));
+        refused(&|w| _ = w.lines::<[f64; 4]>(w.to_line(0), 48));
         refused(&|w| w.lines::<[f64; 4]>(w.to_line(0), 0).put(Base, [1.0; 4]));
     }
 
