@@ -27,11 +27,11 @@ const BOUNDS: &str = "
 
 * **T1, T4, grid**: writing, and one short sum of products a point, eight columns at a time with AVX-512, four with AVX2.
   Results of 16 MB and more go past the caches, which takes less than the fill they are compared with: that reads each
-  line before it writes it. They do so while the next strip of a row is computed. Smaller ones cost the sums, and the divisions of
+  line before it writes it. Blocks of whole lines leave from the registers. Smaller ones cost the sums, and the divisions of
   rational surfaces. The sides
   are evaluated n + m times by the exact formulas, eight parameters at a time, which counts for small grids and for kinds
   made of curves: a side that takes half a microsecond a point costs half a nanosecond a point of a grid of 1000 × 1000.
-* **T2, normal**: the arithmetic: two tangents, a cross product, a square root and a division a point.
+* **T2, normal**: writing first; then the arithmetic: two tangents, a cross product, a square root and a division a point.
 * **T3, T3b, list, list1**: the arithmetic of one point after the other: finding the pieces, and Horner's scheme along u
   and along v with the coefficients of that pair of pieces, from the second-level cache. Where all pairs would need more
   than 8 MB, the sides by powers about the piece's middle and the products with the net or the core; nets beyond the
@@ -42,8 +42,9 @@ const BOUNDS: &str = "
   by what it does to the surface, is fine. Preparing them takes the first list of a surface up to some tens of
   milliseconds, a Diagonal-key surface in space up to a third of a second. Where functions are singular, they are
   evaluated as single points are: such lists cost what their functions cost.
-* **T5, nearest points**: bounds of parts of the surface, best first, from boxes and from the curvature of the distance; then
-  Newton's method, whose gradients prove the gap. Of the two, the bounds take more time.
+* **T5, nearest points**: on polynomial pieces the Bernstein coefficients of the squared distance, best first, which bound it
+  and prove it convex; elsewhere bounds of parts of the surface. Then Newton's method, whose gradients prove the gap. The bounds
+  take more time.
 * **T6, mesh**: of coarse meshes, the enclosures that prove the tolerance and the samples of squares with few triangles. Of
   fine ones, about half goes into dividing squares (a quarter of it into bounds for their parts, as much into squares of few
   triangles beside pieces and sides), under a third into evaluating vertices and emitting triangles, and a fifth into first
