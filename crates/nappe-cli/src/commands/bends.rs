@@ -103,7 +103,7 @@ fn text(e: Option<ExtremeRate>) -> String {
     };
     match e.range {
         [a, b] if a == b => digits(a),
-        [a, b] => format!("({} and {} to either side)", digits(a), digits(b)),
+        [a, b] => format!("({} to {})", digits(a), digits(b)),
     }
 }
 

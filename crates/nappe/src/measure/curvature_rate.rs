@@ -25,7 +25,8 @@ use smallvec::SmallVec;
 /// Derivatives of an extreme, to one side and to the other; most often they are the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExtremeRate {
-    /// The lesser and the greater.
+    /// The lesser and the greater. At a knot that moves, where the curvature has no ridge that samples see, the derivatives lie
+    /// between them.
     pub range: [f64; 2],
     /// How far each may be off; never proven.
     pub certainty: Certainty,
