@@ -1,8 +1,9 @@
 //! What files of exact geometry hold: bodies and curves with names and colours.
 
-use crate::Colour;
+use crate::{Colour, ExchangeError};
 use nappe::body::Body;
 use nappe::{CurveRef, DVec3, Units};
+use std::path::Path;
 
 /// The content of a file of exact geometry, read or to be written. Assemblies are laid out: every placed part is an item,
 /// with its coordinates in the whole.
@@ -18,6 +19,17 @@ pub struct Document {
     pub items: Vec<Item>,
     /// What a reader could not take over.
     pub left_out: Vec<LeftOut>,
+}
+
+impl Document {
+    /// Refuses to write a file that would hold nothing.
+    pub(crate) fn holds_something(&self, path: &Path) -> Result<(), ExchangeError> {
+        if self.items.is_empty() {
+            let (path, what) = (path.to_owned(), "surfaces or curves");
+            return Err(ExchangeError::Nothing { path, what });
+        }
+        Ok(())
+    }
 }
 
 /// One object of a document.

@@ -39,8 +39,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Fillets are told with their certificate: the ball touches both supports along its whole path, which is proven when the
 /// surface is made, and how far the numbers are from that.
 ///
-/// Derivatives by a parameter are exact formulas and not differences; curvature and room for a tool have none. Where
-/// the surfaces touch a face of the box in several places its derivatives to either side are in a range. A surface
+/// Derivatives by a parameter are exact formulas and not differences, but for the integrals of `--bending`. Those of
+/// curvature and of the room for a tool are estimated: other places where an extreme is reached are looked for by samples.
+/// Where an extreme, or a face of the box, is reached in several places its derivatives to either side are in a range. A surface
 /// whose motion is not known is named, and what depends on it is not told.
 ///
 /// Sides are one, and surfaces closed, if the mesh would join them: within a twentieth of its tolerance. Surfaces that

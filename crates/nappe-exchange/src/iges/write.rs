@@ -67,10 +67,7 @@ pub(crate) fn write_telling(
     options: &IgesOptions,
     progress: Progress<'_>,
 ) -> Result<IgesReport, ExchangeError> {
-    if document.items.is_empty() {
-        let (path, what) = (path.to_owned(), "surfaces or curves");
-        return Err(ExchangeError::Nothing { path, what });
-    }
+    document.holds_something(path)?;
     let (text, report) = text(document, options, progress).map_err(|why| ExchangeError::Shape {
         path: path.to_owned(),
         why,

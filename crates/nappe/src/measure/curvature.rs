@@ -78,10 +78,10 @@ struct Curvatures<'a> {
     longest: [f64; 2],
 }
 
-const GAUSSIAN: usize = 0;
-const MEAN: usize = 1;
-const K1: usize = 2;
-const K2: usize = 3;
+pub(super) const GAUSSIAN: usize = 0;
+pub(super) const MEAN: usize = 1;
+pub(super) const K1: usize = 2;
+pub(super) const K2: usize = 3;
 /// Curvatures of less than this over the size are compared as if they were this great. Smaller, and the rounding errors
 /// of planes would be searched; larger, and faint curvature would be found coarsely.
 const FLAT: f64 = 1e-6;

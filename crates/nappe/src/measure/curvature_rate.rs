@@ -13,9 +13,9 @@
 //! envelope theorem); reached in several places it has a derivative to either side, the greatest and the least of
 //! these (Danskin). A sharper bend elsewhere is looked for by samples: all here is estimated.
 
-use super::curvature::{CLEAR, CurvatureExtremes, curvature, longest};
+use super::curvature::{CLEAR, CurvatureExtremes, GAUSSIAN, K1, K2, MEAN, curvature, longest};
 use super::rate::Moving;
-use super::search::Extreme;
+use super::search::{Extreme, beside};
 use crate::breaks::Limit;
 use crate::mesh::Certainty;
 use crate::surface::{Dir, Surface, SurfaceJet};
@@ -50,11 +50,6 @@ struct Place {
     values: [f64; 4],
     rates: [[f64; 2]; 4],
 }
-
-const GAUSSIAN: usize = 0;
-const MEAN: usize = 1;
-const K1: usize = 2;
-const K2: usize = 3;
 
 /// Principal curvatures that differ by no more than this share are those of an umbilic.
 const UMBILIC: f64 = 1e-7;
@@ -202,8 +197,8 @@ impl Search<'_> {
         values.reduce(f64::max)
     }
 
-    /// The rates of the greatest value at a place.
-    fn rates(&self, uv: [f64; 2]) -> Option<[f64; 2]> {
+    /// The greatest value at a place, and its rates.
+    fn moving(&self, uv: [f64; 2]) -> Option<(f64, [f64; 2])> {
         let sides = self.sides(uv);
         let top = sides.iter().map(|s| s.value).reduce(f64::max)?;
         let level: SmallVec<[&Side; 4]> = sides
@@ -213,14 +208,15 @@ impl Search<'_> {
         if let [a, b] = level[..]
             && let Some(both) = self.ridge(uv, top, [a, b])
         {
-            return Some(both);
+            return Some((top, both));
         }
         let least = level.iter().map(|s| s.rates[0]);
         let greatest = level.iter().map(|s| s.rates[1]);
-        Some([
+        let rates = [
             least.fold(f64::INFINITY, f64::min),
             greatest.fold(f64::NEG_INFINITY, f64::max),
-        ])
+        ];
+        Some((top, rates))
     }
 
     /// The rates where the value falls to both sides of a break that may itself move, as knots do: with slopes a and b
@@ -253,8 +249,7 @@ impl Search<'_> {
             }
             let mut moved = false;
             for (d, way) in [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)] {
-                let mut p = uv;
-                p[d] = (p[d] + way * step * domain[d].width()).clamp(domain[d].lo, domain[d].hi);
+                let p = beside(domain, uv, d, way * step);
                 // Along level ground no step counts.
                 if let Some(x) = self.value(p).filter(|x| *x > value + 1e-15 * value.abs()) {
                     (uv, value, moved) = (p, x, true);
@@ -291,8 +286,8 @@ impl Search<'_> {
         let mut found = vec![(first, top)];
         let level = ranked.iter().take_while(|p| p.0 >= top - SAME * unit);
         found.extend(level.map(|&(x, p)| (p, x)));
-        let beside = found.len() - 1;
-        let below = ranked.iter().skip(beside).take(CLIMBS);
+        let levels = found.len() - 1;
+        let below = ranked.iter().skip(levels).take(CLIMBS);
         found.extend(below.filter_map(|p| self.climb(p.1, STEPS)));
         let greatest = found.iter().map(|f| f.1).fold(top, f64::max);
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
@@ -301,24 +296,20 @@ impl Search<'_> {
             if value < greatest - SAME * unit {
                 continue;
             }
-            let Some(rates) = self.rates(uv) else {
+            let Some((_, rates)) = self.moving(uv) else {
                 continue;
             };
             range = [range[0].min(rates[0]), range[1].max(rates[1])];
             // What the last step of a climb may miss, a few times over; beside a pole, what lies between its samples and it.
             let around = |step: f64| {
-                [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)].map(|(d, way)| {
-                    let mut p = uv;
-                    p[d] =
-                        (p[d] + way * step * domain[d].width()).clamp(domain[d].lo, domain[d].hi);
-                    Some((self.value(p)?, self.rates(p)?))
-                })
+                [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)]
+                    .map(|(d, way)| self.moving(beside(domain, uv, d, way * step)))
             };
-            let beside = around(STEPS[1] * 1e3);
-            let (near, level) = if beside.iter().any(Option::is_none) {
+            let close = around(STEPS[1] * 1e3);
+            let (near, level) = if close.iter().any(Option::is_none) {
                 (around(CLEAR), f64::NEG_INFINITY)
             } else {
-                (beside, greatest - SAME * unit)
+                (close, greatest - SAME * unit)
             };
             for (_, other) in near.into_iter().flatten().filter(|n| n.0 >= level) {
                 error = error

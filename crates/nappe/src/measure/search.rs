@@ -88,6 +88,13 @@ pub(super) struct Search<'a, const N: usize, Q: Quantities<N>> {
     found: [Option<[Found; 2]>; N],
 }
 
+/// The place beside another one by a share of the domain along a parameter, or at the domain's end.
+pub(super) fn beside(domain: [Interval; 2], mut uv: [f64; 2], d: usize, share: f64) -> [f64; 2] {
+    let Interval { lo, hi } = domain[d];
+    uv[d] = (uv[d] + share * domain[d].width()).clamp(lo, hi);
+    uv
+}
+
 /// The first step of a climb, in parts of the domain, and the last, which moves a value by rounding only: it errs by the
 /// square of the step.
 const STEPS: [f64; 2] = [1.0 / 16.0, 1e-8];
@@ -177,9 +184,7 @@ impl<'a, const N: usize, Q: Quantities<N>> Search<'a, N, Q> {
                 return;
             };
             for (d, sign) in [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)] {
-                let mut p = from;
-                p[d] = (p[d] + sign * step * domain[d].width()).clamp(domain[d].lo, domain[d].hi);
-                self.sample(p, [Limit::Above; 2]);
+                self.sample(beside(domain, from, d, sign * step), [Limit::Above; 2]);
             }
             if self.best(quantity, end).is_some_and(|b| b.1 == from) {
                 step *= 0.5;

@@ -94,10 +94,7 @@ pub(crate) fn write_telling(
     options: &StepOptions,
     progress: Progress<'_>,
 ) -> Result<StepReport, ExchangeError> {
-    if document.items.is_empty() {
-        let (path, what) = (path.to_owned(), "surfaces or curves");
-        return Err(ExchangeError::Nothing { path, what });
-    }
+    document.holds_something(path)?;
     let mut shape = None;
     let written = write_atomically(path, |to| match put(to, document, options, progress) {
         Ok(report) => Ok(report),
